@@ -84,6 +84,22 @@ def test_the_tool_touches_run_outs_and_is_nowhere_in_them(helix: float) -> None:
         assert depth.min() > -1e-4
 
 
+@pytest.mark.parametrize(
+    ("helix", "keys"),
+    [(0.0, {"profile_shift": 0.5}), (25.0, {"profile_shift": 0.3, "heel_shaft": None, "toe_shaft": {}})],
+)
+def test_run_outs_end_before_flanks_of_shifted_profiles_do(helix: float, keys: dict[str, object]) -> None:
+    """Form points of shifted teeth rise faster than the root: the height that is left is 0.05 modules."""
+    shaft = {"diameters": [46.0], "lengths": [20.0]}
+    tooth = gear(helix, shaft=46.0, **{k: shaft if v == {} else v for k, v in keys.items()}).tooth
+    t = np.array([0.0 if "toe_shaft" in keys else 1.0])
+    left = []
+    for region in (Region.FLANK_RIGHT, Region.FLANK_LEFT):
+        points = tooth.grid(region, np.array([0.0, 1.0]), tooth.sections(t)).points
+        left.append(float(np.ptp(np.hypot(points[..., 0], points[..., 1]))))
+    assert min(left) == pytest.approx(0.05 * MODULE, rel=0.05)
+
+
 def test_solids_are_closed_and_full_depth_is_the_face_width() -> None:
     member = gear(20.0)
     low, high = member.tooth.blank.extent

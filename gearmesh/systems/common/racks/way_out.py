@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,6 +31,9 @@ from gearmesh.tools.stopped_rack import StoppedRack
 LEFT_FLANK_MODULES = 0.05
 #: Newton steps to the tip along the flank's parameter
 MAX_TIP_STEPS = 12
+#: places along a run-out at which form points are looked at, and the share by which they reach beyond its end
+FORM_SAMPLES = 129
+SEARCHED_SHARE = 0.5
 #: places nearer to each other are one break
 LEAST_BREAK_DISTANCE_MM = 1e-3
 
@@ -78,6 +82,8 @@ class WayOut:
     faces: tuple[float, float]
     #: True for toe and heel if the teeth run out there
     ends: tuple[bool, bool]
+    #: largest length of a run-out beyond the face width, see `within`
+    longest: float = math.inf
 
     @property
     def tool(self) -> CylinderMeridian:
@@ -98,7 +104,7 @@ class WayOut:
     @property
     def length(self) -> float:
         """Length of a run-out beyond the face width, mm."""
-        return self.lead + self.tool.reaching(self.root + self.rise)
+        return min(self.lead + self.tool.reaching(self.root + self.rise), self.longest)
 
     @property
     def stops(self) -> tuple[float, float]:
@@ -163,6 +169,23 @@ class WayOut:
             return last - np.clip(rise / height, 0.0, 1.0) * (last - first)
 
         return at
+
+    def within(self, racks: Iterable[tuple[RackSurface, float]]) -> WayOut:
+        """Return run-outs that end before their flanks do, for racks with the parameter of their form points.
+
+        With a profile shift, and on helical teeth, form points rise faster than the root.
+        """
+        at, sense = (1, 1.0) if self.ends[1] else (0, -1.0)
+        stop, end, face = self.stops[at], self.extent[at], self.faces[at]
+        on_tool = np.linspace(stop, end + SEARCHED_SHARE * (end - stop), FORM_SAMPLES) * math.cos(self.helix)
+        most, longest = self.tip - LEFT_FLANK_MODULES * self.module, self.longest
+        for rack, form in racks:
+            points = self.surface(rack).jet(np.full_like(on_tool, form), on_tool).r
+            rho, length = np.hypot(points[:, 0], points[:, 1]), sense * (points[:, 2] - face)
+            k = int((rho >= most).argmax())
+            if k:
+                longest = min(longest, float(np.interp(most, rho[k - 1 : k + 1], length[k - 1 : k + 1])))
+        return replace(self, longest=longest)
 
     @property
     def fault(self) -> str:

@@ -87,6 +87,7 @@ def run_outs(gear: GearProportions, racks: tuple[RackTooth, RackTooth]) -> WayOu
     )
     if way_out.rise <= 0.0:
         raise DesignError(f"{name}.{key}.diameters", diameter, unit="mm", reason="the flanks are too low to run out")
+    way_out = way_out.within((RackSurface(rack.flank, own.beta, 0.0), rack.form_point[0]) for rack in racks)
     if way_out.fault:
         allowed = Allowed.more_than(gear.tip - gear.root, "mm", note=", and a run-out shorter than the face width")
         raise DesignError(f"{name}.run_out_radius", radius, unit="mm", reason=way_out.fault, allowed=allowed)
