@@ -63,10 +63,11 @@ class _Lines(list[str]):
 
 
 def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
-    """Yield the texts of each line that is not empty, with the number of the line's last row. Raises FileError naming
-    file and line, also for columns that are separated by something else than commas.
+    """Yield the texts of each line that is not empty, with the number of the line's last row. Empty cells beyond the
+    named columns, as spreadsheets and measuring machines leave them, are none. Raises FileError naming file and line,
+    also for columns that are separated by something else than commas.
     """
-    reader, head = csv.reader(io.StringIO(text, newline="")), True
+    reader, width = csv.reader(io.StringIO(text, newline="")), 0
     while True:
         try:
             row = next(reader)
@@ -75,10 +76,11 @@ def csv_rows(text: str, path: object) -> Iterator[tuple[int, list[str]]]:
         except csv.Error as failure:
             raise FileError(str(path), reason=f"line {reader.line_num}: {failure}") from None
         if row:
-            if head and not row[0].lstrip().startswith("#"):
+            filled = max((k for k, cell in enumerate(row, 1) if cell.strip()), default=1)
+            if not width and not row[0].lstrip().startswith("#"):
                 _refuse_separators(path, reader.line_num, row)
-                head = False
-            yield reader.line_num, [_read(cell) for cell in row]
+                width = filled
+            yield reader.line_num, [_read(cell) for cell in row[: max(width, filled)]]
 
 
 def _refuse_separators(path: object, line: int, head: Sequence[str]) -> None:

@@ -62,6 +62,13 @@ def test_other_separators_are_refused_by_name(mark: str, name: str) -> None:
     assert [row for _, row in csv_rows(f"a\n1{mark}2\n", "t.csv")] == [["a"], [f"1{mark}2"]]
 
 
+def test_commas_behind_the_last_column_name_none() -> None:
+    """Measuring machines end every line with a separator, spreadsheets fill lines up to their longest."""
+    rows = [row for _, row in csv_rows("# points,,,\na,b, ,\n1,2,,\n3,,,\n,4\n5,6,,7\n8\n", "t.csv")]
+    assert rows == [["# points"], ["a", "b"], ["1", "2"], ["3", ""], ["", "4"], ["5", "6", "", "7"], ["8"]]
+    assert [row for _, row in csv_rows(",,\n,1\n", "t.csv")] == [[""], ["", "1"]]
+
+
 def test_reasons_of_a_study_are_texts(tmp_path: Path) -> None:
     """The one column in which a row says what a design said, which says what its file does."""
     columns: dict[str, list[Any]] = {"row": [0], "dx": [-0.25], "reason": ['=HYPERLINK("http://x")']}

@@ -187,6 +187,7 @@ WRONG: dict[str, tuple[str | Callable[[Array], Array], str]] = {
     "nothing": ("", "has no line with the names of columns"),
     "head alone": (HEAD, "has no points"),
     "unknown column": ("x_mm,y_mm,height\n1,2,3\n", 'column "height": allowed'),
+    "column without a name": ("x_mm,,y_mm,z_mm\n1,2,3,4\n", 'column "": allowed'),
     "no names of columns": (
         "40.5,1.2,3.3\n40.6,1.3,3.4\n",
         'the first line "40.5 1.2 3.3" names no column: it must name each, as x_mm',
@@ -245,6 +246,25 @@ def test_modified_flanks_that_were_measured_end_where_they_cross_the_fillet(spur
     before = gm.build(modified).members["pinion"].tooth.flank_grid("right", shares, shares)
     after = FlankProjection(real.tooth, Side.RIGHT).foot_points((before.points + 0.02 * before.normals).reshape(-1, 3))
     assert np.abs(after.distances).max() < 1e-9
+
+
+@pytest.mark.parametrize("length", [1.004, 2.0, 0.0])
+def test_deviations_count_along_unit_normals(spur: gm.Gears, length: float, tmp_path: Path) -> None:
+    """Normals of another length made 10 um of 5; those rounded to two decimals are taken to unit length."""
+    path, grid = tmp_path / "long.csv", spur.measuring_grid("pinion", "right").grids[0]
+    lines = np.column_stack((grid.points.reshape(-1, 3), length * grid.normals.reshape(-1, 3)))
+    rows = [",".join(f"{value:.17g}" for value in line) + f",{50.0}\n" for line in lines]
+    path.write_text("x_mm,y_mm,z_mm,nx,ny,nz,deviation_um\n" + "".join(rows))
+    measured = spur.design.with_values({"measured.pinion_right": str(path)})
+    if abs(length - 1.0) > 0.01:
+        with pytest.raises(GearmeshError, match=rf"line 2: nx,ny,nz have a length of {length:g}: must be unit vectors"):
+            gm.build(measured)
+        return
+    shares = np.array([0.2, 0.5, 0.8])
+    grids = [gears.members["pinion"].tooth.flank_grid("right", shares, shares) for gears in (gm.build(measured), spur)]
+    apart = ((grids[0].points - grids[1].points) * grids[1].normals).sum(axis=-1)
+    # along normals 1.004 long it would be 2e-4 mm; the displaced flank is met beside its foot points
+    assert np.abs(apart - 0.05).max() < 5e-5
 
 
 def test_normals_that_point_into_the_material_are_refused(spur: gm.Gears, tmp_path: Path) -> None:

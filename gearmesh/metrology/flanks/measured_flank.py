@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from gearmesh.errors import DesignError, FileError
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, dot, unit
 from gearmesh.metrology.flanks.alignment import align
 from gearmesh.metrology.flanks.point_file import (
     DEVIATION_COLUMNS,
@@ -36,6 +36,8 @@ MEANT_IN_MM = 2e-5
 MIN_FLANK_POINTS = 4
 #: shares of the flank beyond its ends within which points may lie
 MAX_SHARE_BEYOND = 0.02
+#: largest difference of a normal's length from 1: normals of two decimals
+LENGTH_TOLERANCE = 0.01
 #: largest number of outliers that a message names
 MAX_NAMED_OUTLIERS = 3
 
@@ -140,7 +142,10 @@ def _of_deviations(tooth: Tooth, side: Side, table: PointTable, mode: MeasuringM
         feet = _at_shares(tooth, side, places)
         return _flank(tooth, side, table, feet, d, mode)
     # the measured point is the nominal point displaced by its deviation; a point without one stays
-    measured_points = points if normals is None else points + np.where(is_given, d, 0.0)[:, None] * normals
+    measured_points = points.copy()
+    if normals is not None:
+        _refuse_lengths(table, np.where(is_given, np.linalg.norm(normals, axis=1), 1.0))
+        measured_points[is_given] += d[is_given, None] * unit(normals[is_given])
     feet = FlankProjection(tooth, side).foot_points(measured_points)
     if normals is not None:
         _refuse_inward(table, normals, feet)
@@ -236,6 +241,16 @@ def _refuse_large(table: PointTable, d: Array) -> None:
         raise FileError(
             table.path,
             reason=f"line {table.lines[k]}: {1e3 * d[k]:.4g} um from the flank, at most {1e3 * MAX_DEVIATION_MM:g}{meant}",
+        )
+
+
+def _refuse_lengths(table: PointTable, lengths: Array) -> None:
+    """Refuse normals along which a deviation would be longer or shorter than it was measured."""
+    wrong = np.abs(lengths - 1.0) > LENGTH_TOLERANCE
+    if wrong.any():
+        k = int(wrong.argmax())
+        raise FileError(
+            table.path, reason=f"line {table.lines[k]}: nx,ny,nz have a length of {lengths[k]:.4g}: must be unit vectors"
         )
 
 

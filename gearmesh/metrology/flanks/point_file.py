@@ -194,10 +194,8 @@ def _refuse_head(path: Path, head: Sequence[str]) -> None:
             remedy=f"allowed are {', '.join(ALL_COLUMNS)}",
         )
     if unknown is not None or len(set(head)) < len(head):
-        raise FileError(
-            path,
-            reason=f"column {value_text(unknown or max(head, key=head.count))}: allowed, each once: {', '.join(ALL_COLUMNS)}",
-        )
+        named = value_text(max(head, key=head.count) if unknown is None else unknown)
+        raise FileError(path, reason=f"column {named}: allowed, each once: {', '.join(ALL_COLUMNS)}")
     with_deviation = [name for name in DEVIATION_COLUMNS if name in head]
     if len(with_deviation) == 2:
         raise FileError(path, reason=f"allowed is one of the columns {' and '.join(with_deviation)}")
