@@ -250,7 +250,8 @@ def _refuse_lengths(table: PointTable, lengths: Array) -> None:
     if wrong.any():
         k = int(wrong.argmax())
         raise FileError(
-            table.path, reason=f"line {table.lines[k]}: nx,ny,nz have a length of {lengths[k]:.4g}: must be unit vectors"
+            table.path,
+            reason=f"line {table.lines[k]}: nx,ny,nz have a length of {lengths[k]:.4g}: must be unit vectors",
         )
 
 
