@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 from oracles.built import built, built_sample
+from oracles.cad_readers import gmsh_model, needs_step
 
 import gearmesh as gm
 from gearmesh.cad.brep import exact_volume
 
-pytest.importorskip("OCP")
-gmsh = pytest.importorskip("gmsh")
+pytestmark = needs_step
 
 #: tip roundings that end in points before the end face, one end sharp, a gap between mirrored halves
 HELICAL = {"kind": "cylindrical", "module": 2, "helix_angle": 20}
@@ -25,15 +25,9 @@ HALVES |= {"gear": {"teeth": 13, "face_width": 20, "end_chamfer": 0.2}}
 
 def read(path: Path) -> tuple[list[float], int]:
     """Volumes of a file's solids, and the number of its faces, by gmsh."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.occ.importShapes(str(path))
-        gmsh.model.occ.synchronize()
-        volumes = [gmsh.model.occ.getMass(*solid) for solid in gmsh.model.getEntities(3)]
-        return volumes, len(gmsh.model.getEntities(2))
-    finally:
-        gmsh.finalize()
+    with gmsh_model(path) as model:
+        volumes = [model.occ.getMass(*solid) for solid in model.getEntities(3)]
+        return volumes, len(model.getEntities(2))
 
 
 @pytest.mark.parametrize(

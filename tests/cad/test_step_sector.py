@@ -8,31 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from oracles.built import built
+from oracles.cad_readers import gmsh_model, needs_step
 
 from gearmesh import DesignError, Rigid
 from gearmesh.cad.brep import exact_volume
 from gearmesh.kinds import Region
 
-pytest.importorskip("OCP")
-gmsh = pytest.importorskip("gmsh")
+pytestmark = needs_step
 TEETH, PITCHES = 13, 3
 KEYS = {"kind": "cylindrical", "module": 2, "helix_angle": 20, "gear": {"teeth": TEETH, "face_width": 12, "bore": 8}}
 
 
 def face_properties(path: Path) -> tuple[list[float], list[tuple[float, np.ndarray]]]:
     """Volumes of a file's solids, and area and centre of every face, by gmsh."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.occ.importShapes(str(path))
-        gmsh.model.occ.synchronize()
-        occ = gmsh.model.occ
-        volumes = [occ.getMass(*solid) for solid in gmsh.model.getEntities(3)]
-        return volumes, [
-            (occ.getMass(*face), np.array(occ.getCenterOfMass(*face))) for face in gmsh.model.getEntities(2)
-        ]
-    finally:
-        gmsh.finalize()
+    with gmsh_model(path) as model:
+        occ = model.occ
+        volumes = [occ.getMass(*solid) for solid in model.getEntities(3)]
+        return volumes, [(occ.getMass(*face), np.array(occ.getCenterOfMass(*face))) for face in model.getEntities(2)]
 
 
 def test_gmsh_reads_a_sector_with_congruent_cut_faces(tmp_path: Path) -> None:

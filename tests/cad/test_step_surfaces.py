@@ -8,38 +8,32 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles.built import built_sample
+from oracles.cad_readers import gmsh_model, needs_step
 
 from gearmesh import DesignError
 from gearmesh.answers.bodies.extract import Extract
 from gearmesh.kinds import Region
 
-pytest.importorskip("OCP")
-gmsh = pytest.importorskip("gmsh")
+pytestmark = needs_step
 
 
 def read(path: Path, points: np.ndarray) -> tuple[int, int, float, np.ndarray, np.ndarray]:
     """Solids of a file, edges of one face alone, the area of its faces, and of points (N, 3) the distances from the nearest face
     and its normals, by gmsh."""
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.occ.importShapes(str(path))
-        gmsh.model.occ.synchronize()
-        faces = gmsh.model.getEntities(2)
-        area = sum(gmsh.model.occ.getMass(*face) for face in faces)
+    with gmsh_model(path) as model:
+        faces = model.getEntities(2)
+        area = sum(model.occ.getMass(*face) for face in faces)
         nearest, normals = np.full(len(points), np.inf), np.zeros_like(points)
         for dimension, tag in faces:
             if not len(points):
                 break
-            feet, at = gmsh.model.getClosestPoint(dimension, tag, points.ravel())
+            feet, at = model.getClosestPoint(dimension, tag, points.ravel())
             away = np.linalg.norm(np.reshape(feet, (-1, 3)) - points, axis=1)
-            own = np.reshape(gmsh.model.getNormal(tag, at), (-1, 3))
+            own = np.reshape(model.getNormal(tag, at), (-1, 3))
             normals[away < nearest] = own[away < nearest]
             nearest = np.minimum(nearest, away)
-        outline = len(gmsh.model.getBoundary(faces, combined=True, oriented=False))
-        return len(gmsh.model.getEntities(3)), outline, area, nearest, normals
-    finally:
-        gmsh.finalize()
+        outline = len(model.getBoundary(faces, combined=True, oriented=False))
+        return len(model.getEntities(3)), outline, area, nearest, normals
 
 
 def middle_of(face: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,6 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-import pyvista
 from oracles.fe_blocks import CORNERS, block, graded, pressed, rounded
 from oracles.fe_cases import crossed_cylinders
 
@@ -67,6 +66,8 @@ def test_beam_under_a_moment(second_order: bool) -> None:
 def test_stresses_at_integration_points_stand_in_their_order(tmp_path: Path) -> None:
     """A bar of twelve unequal elements bent in both planes by forces at its end: F (L - x) y / I within 2 % (its ends do not warp);
     with the points in another order along any axis it is more than 6 % off."""
+    import pyvista
+
     length, width, height, modulus = 6.0, 1.5, 2.0, 2e5
     bar = block(
         np.array([0.0, 1.0, 4.0, length]),

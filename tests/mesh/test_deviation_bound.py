@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import pyvista as pv
 from numpy.typing import NDArray
 from oracles.places import SAMPLES
 from scipy.spatial import cKDTree
@@ -80,6 +79,8 @@ def places(mesh: TriangleMesh, count: int, pitch: float) -> Array:
 
 def farthest(points: Array, mesh: TriangleMesh) -> float:
     """Largest distance (mm) of points (N, 3) from a mesh, by VTK."""
+    import pyvista as pv
+
     surface = pv.PolyData.from_regular_faces(mesh.vertices, mesh.triangles.astype(int))
     return float(np.abs(pv.PolyData(points).compute_implicit_distance(surface)["implicit_distance"]).max())
 

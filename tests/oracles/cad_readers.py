@@ -1,4 +1,5 @@
-"""STEP files as three programs read them: OpenCASCADE, gmsh and FreeCAD, each in a process of its own but the first.
+"""STEP files as three programs read them: OpenCASCADE, gmsh and FreeCAD, each in a process of its own but the first
+and `gmsh_model`.
 
 Of every solid: volume (mm^3) and centre of mass (mm).
 """
@@ -9,12 +10,17 @@ import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 needs_freecad = pytest.mark.skipif(shutil.which("freecadcmd") is None, reason="apt-get install freecad")
+#: packages that write STEP files and read them again; tests import them when they run, for each takes 100 MB
+needs_step = pytest.mark.skipif(not (find_spec("OCP") and find_spec("gmsh")), reason="OCP or gmsh is not installed")
 
 GMSH = r"""
 import json, sys
@@ -64,6 +70,21 @@ def by_opencascade(file: Path) -> list[list[float]]:
         solids.append([mass.Mass(), centre.X(), centre.Y(), centre.Z()])
         explorer.Next()
     return solids
+
+
+@contextmanager
+def gmsh_model(file: Path) -> Iterator[Any]:
+    """The file as gmsh reads it, in this process."""
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.model.occ.importShapes(str(file))
+        gmsh.model.occ.synchronize()
+        yield gmsh.model
+    finally:
+        gmsh.finalize()
 
 
 def by_gmsh(file: Path) -> list[list[float]]:
