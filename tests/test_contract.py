@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from oracles.sources import nodes
+from oracles.sources import nodes, parsed
 
 import gearmesh
 
@@ -430,3 +430,28 @@ def test_the_quick_selection_has_something_of_every_package() -> None:
     packages = {package for package in MAY_IMPORT if package not in {*SHARED, "samples", "former_names", "kinds"}}
     quick = {file.parent.name for file in tests.glob("*/test_*.py") if "pytest.mark.quick" in file.read_text()}
     assert packages <= quick
+
+
+#: packages of which each takes 100 MB
+LARGE = {"OCP", "gmsh", "pyvista", "vtk", "vtkmodules", "selenium", "build123d", "cadquery", "distributed"}
+
+
+def _loaded_by_importing(statements: list[ast.stmt]) -> set[str]:
+    """Packages that statements of a module import, `pytest.importorskip` included."""
+    found = set()
+    for statement in statements:
+        if isinstance(statement, ast.Import):
+            found |= {alias.name for alias in statement.names}
+        elif isinstance(statement, ast.ImportFrom):
+            found.add(statement.module or "")
+        elif isinstance(statement, ast.Expr | ast.Assign) and isinstance(statement.value, ast.Call):
+            found |= {str(ast.literal_eval(own)) for own in statement.value.args if isinstance(own, ast.Constant)}
+    return {name.partition(".")[0] for name in found}
+
+
+def test_large_packages_are_loaded_by_the_tests_that_need_them() -> None:
+    """Each process that collects the tests has the memory of all that test modules import."""
+    texts = {file.name: file.read_text() for file in Path(__file__).parent.rglob("*.py")}
+    named = {name: text for name, text in texts.items() if any(package in text for package in LARGE)}
+    assert "test_volume.py" in named
+    assert {name for name, text in named.items() if _loaded_by_importing(parsed(text).body) & LARGE} == set()

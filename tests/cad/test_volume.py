@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oracles.cad_readers import needs_step
 
 from gearmesh.cad.step import NamedFace, Part
 from gearmesh.cad.volume import volume
 
-pytest.importorskip("OCP")
+pytestmark = needs_step
 
 #: radii and height of a frustum, height of its lower end, radius of a hole beside the axis and distance of its axis, mm
 LOW, HIGH, RISE, LEVEL, HOLE, BESIDE = 5.0, 3.0, 4.0, 7.0, 1.0, 1.25
