@@ -9,6 +9,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.contact.engagement.curve import MeshCurve
+from gearmesh.contact.engagement.cycle import engagement_range
 from gearmesh.contact.engagement.engagement import whole_engagement
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
 from gearmesh.contact.first_touch.first_touch import first_touch
@@ -66,3 +67,19 @@ def test_beside_the_ends_of_lines_the_contact_is_that_of_a_whole_search(sample: 
     assert not found.line.all()
     assert followed.line.tolist() == found.line.tolist()
     assert followed.advance == pytest.approx(found.advance, abs=1e-12)
+
+
+@pytest.mark.parametrize(("sample", "by_nodes"), [("spiral_bevel_basic", True), ("helical", False)])
+def test_the_range_of_a_pair_needs_no_overtaking_within_surface_contact(
+    sample: str, by_nodes: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the nodes decide, the range is that by all phases at which pairs change over, none of which is solved for."""
+    pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]
+    engagement = whole_engagement(solver_pair(pair), pair.pitch)
+    assert engagement is not None
+    curve = MeshCurve(engagement, pair.pitch)
+    assert curve.within_surface == by_nodes
+    ends = [curve.surface.begin, curve.surface.end, *(end for arc in curve.arcs for end in (arc.first, arc.last))]
+    if by_nodes:
+        monkeypatch.setattr(MeshCurve, "_overtaking", lambda *given: pytest.fail("solved for"))
+    assert engagement_range(engagement, pair.pitch) == (min(ends), max(ends))

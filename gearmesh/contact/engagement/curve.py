@@ -108,26 +108,51 @@ class MeshCurve:
         return bool(np.isfinite(self.at_nodes()).all())
 
     @cached_property
-    def arcs(self) -> list[MeshArc]:
-        """Arcs of the envelope over one pitch; none if contact breaks off in it."""
+    def _takeovers(self) -> list[tuple[int, int, int]]:
+        """Takeovers (pair that carries, pair that overtakes it, node of the pitch before it) of the pair that is the most advanced.
+
+        The first entry has the first pair twice, at node 0. No entry if contact breaks off in the pitch.
+        """
         if not self.whole:
             return []
-        # from node to node, follow which pair is the most advanced; a change is solved for between its two nodes
+        # from node to node, follow which pair is the most advanced
         table, first = self._table()
         carrier = int(table[:, 0].argmax())
-        arcs, begin = [], 0.0
-        step = self.pitch / NODES
+        changes = [(carrier + first, carrier + first, 0)]
         for j in range(NODES):
             # of pairs that carry together take the pair that was ahead at the node before: the others come to it in between
             leading = np.flatnonzero(table[:, j + 1] >= table[:, j + 1].max() - SHARED_CONTACT_RAD)
             ahead = int(leading[table[leading, j].argmax()])
-            if table[ahead, j + 1] <= table[carrier, j + 1] + SHARED_CONTACT_RAD:
-                continue
-            at = self._overtaking(carrier + first, ahead + first, j * step, (j + 1) * step)
-            arcs.append(MeshArc(carrier + first, begin, at, self.pitch))
-            carrier, begin = ahead, at
-        arcs.append(MeshArc(carrier + first, begin, self.pitch, self.pitch))
-        return arcs
+            if table[ahead, j + 1] > table[carrier, j + 1] + SHARED_CONTACT_RAD:
+                changes.append((carrier + first, ahead + first, j))
+                carrier = ahead
+        return changes
+
+    @cached_property
+    def arcs(self) -> list[MeshArc]:
+        """Arcs of the envelope over one pitch; none if contact breaks off in it."""
+        # each change is solved for between its two nodes
+        step = self.pitch / NODES
+        begins = [
+            0.0 if carrier == ahead else self._overtaking(carrier, ahead, j * step, (j + 1) * step)
+            for carrier, ahead, j in self._takeovers
+        ]
+        return [
+            MeshArc(ahead, begin, end, self.pitch)
+            for (_, ahead, _), (begin, end) in zip(self._takeovers, pairwise([*begins, self.pitch]), strict=True)
+        ]
+
+    @property
+    def within_surface(self) -> bool:
+        """True if the nodes show that surface contact of a pair begins before it takes over, and ends after it is overtaken."""
+        if not self._takeovers:
+            return False
+        # phi1 of pair 0 at the nodes before it takes over and after it is overtaken, and at both ends of the pitch
+        step = self.pitch / NODES
+        first = [ahead * self.pitch + j * step for _, ahead, j in self._takeovers]
+        last = [carrier * self.pitch + (j + 1) * step for carrier, _, j in self._takeovers[1:]]
+        last.append((self._takeovers[-1][1] + 1) * self.pitch)
+        return self.surface.begin < min(first) and max(last) < self.surface.end
 
     def handovers(self) -> Array:
         """Solve for phi1 (M,), rad, of pair 0 at which it takes over from another pair, with exact advances."""

@@ -226,6 +226,8 @@ def _sample(curve: MeshCurve, pitch: float) -> tuple[Array, Array]:
 
 def _whole(curve: MeshCurve) -> tuple[float, float]:
     """Return phi1 (rad) between which the pair is ahead of its neighbours or has surface contact."""
+    if curve.within_surface:
+        return curve.surface.begin, curve.surface.end
     ends = [end for end in (curve.surface.begin, curve.surface.end) if np.isfinite(end)]
     ends += [end for arc in curve.arcs for end in (arc.first, arc.last)]
     return (min(ends), max(ends)) if ends else _touching(curve)
