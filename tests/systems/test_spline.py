@@ -312,6 +312,7 @@ def test_run_out_into_a_thicker_shaft() -> None:
     solid = gears.solid("shaft", tolerance=0.05)
     assert solid.figures["watertight"]
     assert cell(gears, "l_o", "shaft", "Members") > 1.0
+    assert cell(gears, "r_o", "shaft", "Members") == 30.0
     assert gears.contact().summary["contact_ratio"] == pytest.approx(21, abs=1e-9)
 
 

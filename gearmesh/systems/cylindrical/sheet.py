@@ -31,6 +31,7 @@ from gearmesh.systems.common.symbol_table import (
     tables_of,
     values_of,
 )
+from gearmesh.systems.cylindrical.cutting.run_out import tool_radius
 from gearmesh.systems.cylindrical.design import BASIC_RACKS
 from gearmesh.systems.cylindrical.double_helical import gap_heights, half_of, half_width
 from gearmesh.systems.cylindrical.geometry import measures
@@ -536,7 +537,7 @@ def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
 
 
 def _run_out_rows(pair: SheetGears) -> list[Row]:
-    """Return the row of teeth that go on beyond the face width, where any do."""
+    """Return the rows of teeth that go on beyond the face width, where any do, and of the tool that leaves them there."""
     lengths = [
         float(np.ptp(member.tooth.blank.faces)) - spec.face_width
         for member, spec in zip(pair.members, pair.specs, strict=True)
@@ -544,7 +545,14 @@ def _run_out_rows(pair: SheetGears) -> list[Row]:
     if max(lengths) <= LEAST_RUN_OUT_MM:
         return []
     words = "run-outs of the teeth beyond the face width, of both ends"
-    return [("l_o", words, "mm", pair.of_all(lambda k: lengths[k] if lengths[k] > LEAST_RUN_OUT_MM else None))]
+    radii = [
+        tool_radius(gear) if length > LEAST_RUN_OUT_MM else None
+        for gear, length in zip(pair.geometry.gears, lengths, strict=True)
+    ]
+    return [
+        ("l_o", words, "mm", pair.of_all(lambda k: lengths[k] if lengths[k] > LEAST_RUN_OUT_MM else None)),
+        ("r_o", "radius of the tool that leaves run-outs", "mm", pair.of_all(lambda k: radii[k])),
+    ]
 
 
 def _member_rows(pair: SheetGears) -> list[Row]:

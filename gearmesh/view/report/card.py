@@ -97,11 +97,17 @@ def _cycle(contact: Contact) -> Iterator[CardFigure]:
         rad, unit = contact.pair.output.reading.error
         shown_unit = unit.replace("um", "\u00b5m")
         yield CardFigure(
-            label, error(float(swing) / rad, shown_unit), "peak to peak, without load", float(swing) / rad, shown_unit
+            label,
+            error(float(swing) / rad, shown_unit),
+            "peak to peak, without load",
+            _shown(float(swing) / rad),
+            shown_unit,
         )
         assert cycle is not None
         harmonics = np.abs(cycle.harmonics[:3]) / rad
-        yield CardFigure("Harmonics 1, 2, 3 of it", *_harmonics(harmonics, shown_unit), float(harmonics[0]), shown_unit)
+        yield CardFigure(
+            "Harmonics 1, 2, 3 of it", *_harmonics(harmonics, shown_unit), _shown(float(harmonics[0])), shown_unit
+        )
     else:
         yield CardFigure(label, "not known", "no whole mesh cycle")
         yield CardFigure("Harmonics 1, 2, 3 of it", "not known", "no whole mesh cycle")
@@ -236,6 +242,11 @@ def error(size: float, unit: str) -> str:
         if size < MIN_SHOWN_ERROR
         else f"{number(size)}{NO_BREAK_SPACE}{unit}"
     )
+
+
+def _shown(size: float) -> float:
+    """Return a transmission error, or 0 below the last digit of tables: rounding has no changes."""
+    return size if size >= MIN_SHOWN_ERROR else 0.0
 
 
 def length(value: float, of: float | None = None) -> str:

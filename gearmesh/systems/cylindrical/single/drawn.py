@@ -4,7 +4,7 @@ from gearmesh.metrology.iso1328 import TOLERANCE_NAMES
 from gearmesh.systems.system import DrawnRows
 
 #: rows of gears and racks
-TOOTH_SYMBOLS = ("z", "m_n", "alpha_n", "beta", "hand", "x", "k", "d", "d_b", "d_f", "d_Ff", "d_Fa", "h")
+TOOTH_SYMBOLS = ("z", "m_n", "alpha_n", "beta", "hand", "x", "k", "d", "d_b", "d_f", "d_Ff", "d_Fa", "h", "l_o", "r_o")
 #: rows of the thickness and its measures; with allowances both ends are given
 THICKNESS_SYMBOLS = (*("s_n", "A_sne", "A_sni", "k_W", "W_k", "D_M", "M_dK"),)
 #: rows of the basic rack
