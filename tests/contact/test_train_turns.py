@@ -8,6 +8,7 @@ from oracles.places import SAMPLES
 
 import gearmesh as gm
 from gearmesh.contact.engagement.ease_off import gaps_at
+from gearmesh.contact.engagement.pitch_turns import whole_turns
 from gearmesh.contact.engagement.train_turns import leading_turns, train_turns
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.view.on_tooth import union_level
@@ -33,6 +34,30 @@ def test_trains_turn_together_whichever_pair_is_known() -> None:
         for name, turn in turns.items():
             assert plain[name][1] == pytest.approx(turn[1], abs=1e-9)
             assert plain[name] == pytest.approx(turn, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("sample", "overrides"),
+    [
+        ("spur", ["assembly.gear_eccentricity=0.02"]),
+        ("spur", ["assembly.pinion_eccentricity=0.02", "assembly.pinion_phase=50", "gear.teeth=40"]),
+        ("cycloidal", ["modification.equidistant=0.03", "assembly.dx=0.01"]),
+        ("spline", ["assembly.dx=0.004", "assembly.gamma_h=0"]),
+    ],
+)
+def test_members_stand_where_whole_turns_say(sample: str, overrides: list[str]) -> None:
+    """Gears stood 1.8 um apart, or cut into each other by 6 um: other tooth pairs lead, and eccentricity turns with the teeth.
+
+    Reference: the error over whole turns, which follows every tooth pair in another way.
+    """
+    pair = gm.build(gm.load(SAMPLES / f"{sample}.toml", overrides)).pairs[0]
+    turns = whole_turns(pair)
+    some = np.unique(np.linspace(0, len(turns.phi1) - 1, 9).astype(int))
+    rotation, phi2 = leading_turns(pair, turns.phi1[some])
+    assert np.abs(rotation - turns.phi1[some]).max() < 1e-12
+    te = phi2 - pair.ratio * rotation
+    assert te - te[0] == pytest.approx(turns.te[some], abs=1e-9)
+    assert np.ptp(turns.te[some]) > 1e-8
 
 
 def test_gaps_grow_as_the_ellipse_of_contact_says() -> None:

@@ -2,29 +2,65 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
-from gearmesh.contact.flanks import analyse
+import numpy as np
+from numpy.typing import NDArray
+
+from gearmesh.contact.flanks import analyse, solver_pair
+from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array
-from gearmesh.teeth.gear_train import GearPair, GearTrain
+from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 #: rounds that find the rotation of a driving member from the driven member; each reduces the error to 1e-6 of itself
 INVERSION_ROUNDS = 2
 
 
-def leading_turns(pair: GearPair, phi1: Array, around: int = 1) -> tuple[Array, Array]:
+def leading_turns(pair: GearPair, phi1: Array, around: int | None = None) -> tuple[Array, Array]:
     """Compute rotations (N,) of pinion and gear, rad, at phi1 (N,), rad, of the pinion; NaN where no teeth touch.
 
-    The most advanced tooth pair within `around` pitches decides.
+    The most advanced tooth pair within `around` pitches decides: by default within one, of pairs whose teeth mesh all round within
+    half a turn.
     """
-    pitches = np.round(phi1 / pair.pitch)[:, None] + np.arange(-around, around + 1.0)
-    path = analyse(pair, (phi1[:, None] - pitches * pair.pitch).ravel())
-    shifts = (pitches * pair.pitch).ravel()
-    rotation, phi2 = path.rotation + shifts, path.phi2 + shifts * pair.ratio
-    ahead = np.where(path.touching, pair.drive * phi2, -np.inf).reshape(pitches.shape)
-    k = np.arange(len(phi1)) * pitches.shape[1] + ahead.argmax(axis=1)
-    none = np.where(path.touching[k], 0.0, np.nan)
+    if around is None:
+        all_round = pair.arm_turns or solver_pair(pair).coupled
+        around = (pair.pinion.tooth.teeth + 1) // 2 if all_round else 1
+    number = np.round(phi1 / pair.pitch)[:, None] + np.arange(-around, around + 1.0)
+    rotation, phi2, touching = _tooth_pairs(pair, (phi1[:, None] - number * pair.pitch).ravel(), number.ravel())
+    shifts = (number * pair.pitch).ravel()
+    rotation, phi2 = rotation + shifts, phi2 + shifts * pair.ratio
+    ahead = np.where(touching, pair.drive * phi2, -np.inf).reshape(number.shape)
+    k = np.arange(len(phi1)) * number.shape[1] + ahead.argmax(axis=1)
+    none = np.where(touching[k], 0.0, np.nan)
     return rotation[k] + none, phi2[k] + none
+
+
+def _tooth_pairs(pair: GearPair, phi1: Array, number: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Compute rotations (M,) of pinion and gear, rad, at which tooth pairs `number` (M,) touch, and whether they do.
+
+    phi1 (M,), rad, and the rotations count as those of pair 0, which stands there k pitches before pair k.
+    """
+    if not pair.eccentric:
+        path = analyse(pair, phi1)
+        return path.rotation, path.phi2, path.touching
+    rotation, phi2, touching = np.empty(phi1.shape), np.empty(phi1.shape), np.zeros(phi1.shape, dtype=bool)
+    for each in np.unique(number):
+        own = number == each
+        path = analyse(_displaced_alike(pair, float(each)), phi1[own])
+        rotation[own], phi2[own], touching[own] = path.rotation, path.phi2, path.touching
+    return rotation, phi2, touching
+
+
+def _displaced_alike(pair: GearPair, number: float) -> GearPair:
+    """Return a pair whose tooth pair 0 is displaced by the eccentricities as tooth pair `number` is so many pitches later."""
+
+    def turned(member: Member, phi: float) -> Member:
+        mount = member.mount
+        x, y = Rigid.about_z(mount.sign * phi).rotation[:2, :2] @ np.array(mount.eccentricity)
+        return replace(member, mount=replace(mount, eccentricity=(float(x), float(y))))
+
+    later = number * pair.pitch
+    return replace(pair, pinion=turned(pair.pinion, later), gear=turned(pair.gear, later * pair.ratio))
 
 
 def train_turns(
