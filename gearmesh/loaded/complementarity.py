@@ -21,7 +21,7 @@ Sources: [PK99] I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206. [PR69] E. Polak
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,70 +116,81 @@ def pressures(
     # initial pressures, scaled to the torque
     p = np.where(on, start, 0.0)
     p *= (torque / (weight * levers * p).sum(axis=1))[:, None]
-    direction, last_size, restarts = np.zeros_like(p), np.zeros(len(p)), np.ones(len(p), dtype=bool)
-    last_gap = np.zeros_like(p)
-    # pressures of touching cells for a unit rotation, by the estimate
-    of_levers = np.zeros_like(p)
     status = np.full(len(p), int(Status.MAX_ITERATIONS))
-    active, steps = every, 0
     u = moved(p, every)
     stride = (weight * p).sum(axis=1) / (weight * np.abs(u) / cell_ease).sum(axis=1)
+    # `own` has the values of the active problems, which are copied only when some have converged
+    own = _Steps.of(gap, weight, levers, cell_ease, on, torque, p, u, stride)
+    active, steps = every, 0
     while active.size and steps < MAX_STEPS:
         steps += 1
-        pressure, a, lv, softness = p[active], weight[active], levers[active], cell_ease[active]
-        touching = pressure > 0.0
-        inner = a * touching
+        pressure, touching = own.pressure, own.pressure > 0.0
+        inner = own.area * touching
+        inner_lever = inner * own.lever
         # gap under load w, with the theta for which the descent carries no torque
-        w = gap[active] + u[active]
-        stale = np.flatnonzero(restarts[active])
+        w = own.gap + own.u
+        stale = np.flatnonzero(own.restarts)
         if stale.size:
-            stale_levers = np.where(touching[stale], lv[stale], 0.0)
-            of_levers[active[stale]] = touching[stale] * estimated(stale_levers, active[stale])
-        estimate, lever_estimate = touching * estimated(np.where(touching, w, 0.0), active), of_levers[active]
-        theta = (inner * lv * estimate).sum(axis=1) / (inner * lv * lever_estimate).sum(axis=1)
-        w = w - lv * theta[:, None]
+            # pressures of touching cells for a unit rotation, by the estimate
+            stale_levers = np.where(touching[stale], own.lever[stale], 0.0)
+            own.of_levers[stale] = touching[stale] * estimated(stale_levers, active[stale])
+        estimate, lever_estimate = touching * estimated(np.where(touching, w, 0.0), active), own.of_levers
+        theta = _sums(inner_lever, estimate) / _sums(inner_lever, lever_estimate)
+        w -= own.lever * theta[:, None]
         descent = estimate - lever_estimate * theta[:, None]
         # conjugate direction d: the share of the last one [PR69] falls to 0 by itself where the touching cells have changed
         # much
-        descent_size = (inner * w * descent).sum(axis=1)
-        gained = descent_size - (inner * last_gap[active] * descent).sum(axis=1)
-        known = last_size[active] > LEAST_DESCENT
-        conjugate_share = np.divide(np.maximum(gained, 0.0), last_size[active], out=np.zeros_like(gained), where=known)
+        inner_gap = inner * w
+        descent_size = _sums(inner_gap, descent)
+        gained = descent_size - _sums(inner, own.last_gap, descent)
+        known = own.last_size > LEAST_DESCENT
+        conjugate_share = np.divide(np.maximum(gained, 0.0), own.last_size, out=np.zeros_like(gained), where=known)
         if steps > FREE_STEPS:
-            conjugate_share[restarts[active]] = 0.0
-        last_size[active], last_gap[active] = descent_size, w
-        d = np.where(touching, descent + conjugate_share[:, None] * direction[active], 0.0)
+            conjugate_share[own.restarts] = 0.0
+        own.last_size, own.last_gap = descent_size, w
+        d = own.direction
+        d *= conjugate_share[:, None]
+        d += descent
+        d *= touching
         response = moved(d, active)
-        curvature = (inner * response * d).sum(axis=1)
+        curvature = _sums(inner, response, d)
         # a single touching cell has no descent direction (curvature 0): overlapping cells then use the step length of
         # before
         convex = curvature > 0.0
-        stride[active[convex]] = (inner * w * d).sum(axis=1)[convex] / curvature[convex]
-        step = stride[active][:, None]
+        own.stride[convex] = _sums(inner_gap, d)[convex] / curvature[convex]
+        step = own.stride[:, None]
         # step; cells whose pressure falls below zero separate, and cells that overlap begin to touch
-        new = np.where(touching, np.maximum(pressure - step * d, 0.0), 0.0)
-        overlap = on[active] & (new == 0.0) & (w < 0.0)
-        new = np.where(overlap, -step * w / softness, new)
-        carried_torque = (a * lv * new).sum(axis=1)
+        moved_on = pressure - step * d
+        new = np.where(touching, np.maximum(moved_on, 0.0), 0.0)
+        overlap = own.on & (new == 0.0) & (w < 0.0)
+        new = np.where(overlap, -step * w / own.ease, new)
+        carried_torque = _sums(own.area, own.lever, new)
         # a step that separates every cell is too long: keep the pressures and halve the step
         separated = carried_torque <= 0.0
-        stride[active[separated]] *= 0.5
-        scale = (torque[active] / np.where(separated, 1.0, carried_torque))[:, None]
-        # what cells that begin or cease to touch add to the step
-        excess = new - (pressure - step * d)
-        new = np.where(separated[:, None], pressure, new * scale)
+        own.stride[separated] *= 0.5
+        scale = (own.torque / np.where(separated, 1.0, carried_torque))[:, None]
         opened = touching & (new == 0.0)
         changed = (overlap | opened).any(axis=1) | separated
-        restarts[active], direction[active], p[active] = changed, d, new
-        # displacements are linear in the step
-        u[active] = np.where(separated[:, None], u[active], scale * (u[active] - step * response))
+        # what cells that begin or cease to touch add to the step
         mended = np.flatnonzero(changed & ~separated)
+        excess = new[mended] - moved_on[mended]
+        new *= scale
+        # displacements are linear in the step
+        response *= step
+        u = (own.u - response) * scale
+        if separated.any():
+            new[separated], u[separated] = pressure[separated], own.u[separated]
+        own.u = u
         if mended.size:
-            u[active[mended]] += scale[mended] * moved(excess[mended], active[mended])
-        change = (a * np.abs(new - pressure)).sum(axis=1) / (a * new).sum(axis=1)
+            own.u[mended] += scale[mended] * moved(excess, active[mended])
+        own.restarts, own.pressure = changed, new
+        change = _sums(own.area, np.abs(new - pressure)) / _sums(own.area, new)
         converged = (change < tolerance) & ~overlap.any(axis=1) & ~separated
-        status[active[converged]] = Status.CONVERGED
-        active = active[~converged]
+        if converged.any():
+            status[active[converged]] = Status.CONVERGED
+            p[active[converged]] = new[converged]
+            own, active = own.some(~converged), active[~converged]
+    p[active] = own.pressure
     u = moved(p, every)
     # theta and residual of the answers
     inner = weight * (p > 0.0)
@@ -188,6 +199,61 @@ def pressures(
     residual = np.where(p > 0.0, np.abs(w), np.where(on, np.maximum(-w, 0.0), 0.0)).max(axis=1)
     status[residual > MAX_RELATIVE_RESIDUAL * np.abs(u).max(axis=1)] = Status.MAX_ITERATIONS
     return Pressures(p, theta, residual, status, steps)
+
+
+@dataclass
+class _Steps:
+    """What steps know of B problems with N cells: values (B, N) by cell, else (B,)."""
+
+    gap: Array
+    area: Array
+    lever: Array
+    ease: Array
+    on: NDArray[np.bool_]
+    torque: Array
+    pressure: Array
+    #: displacements under the pressures
+    u: Array
+    #: lengths of the last steps
+    stride: Array
+    #: last directions
+    direction: Array
+    #: gaps under load, and sizes of the descent, in the last step
+    last_gap: Array
+    last_size: Array
+    #: estimated pressures under a unit rotation
+    of_levers: Array
+    #: problems whose touching cells have changed
+    restarts: NDArray[np.bool_]
+
+    @staticmethod
+    def of(
+        gap: Array,
+        area: Array,
+        lever: Array,
+        ease: Array,
+        on: NDArray[np.bool_],
+        torque: Array,
+        pressure: Array,
+        u: Array,
+        stride: Array,
+    ) -> _Steps:
+        """Return the problems before their first step."""
+        directions, last_gaps, of_levers = (np.zeros_like(pressure) for _ in range(3))
+        count = len(pressure)
+        known = gap, area, lever, ease, on, np.broadcast_to(torque, count), pressure, u, stride
+        return _Steps(*known, directions, last_gaps, np.zeros(count), of_levers, np.ones(count, dtype=bool))
+
+    def some(self, kept: NDArray[np.bool_]) -> _Steps:
+        """Return the problems that are `kept` (B,)."""
+        return _Steps(*(getattr(self, each.name)[kept] for each in fields(self)))
+
+
+def _sums(*values: Array) -> Array:
+    """Return the sums (B,) over the cells of products of values (B, N)."""
+    names = ",".join("bn" for _ in values)
+    sums: Array = np.einsum(f"{names}->b", *values)
+    return sums
 
 
 def tangent_stiffness(

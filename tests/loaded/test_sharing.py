@@ -453,6 +453,20 @@ def test_both_halves_of_a_double_helical_pair_carry_alike() -> None:
 
 
 @pytest.mark.sweep
+def test_halves_of_a_double_helical_pair_are_as_stiff_per_width_as_a_pair_of_one_half() -> None:
+    """Each half twists, and has its tooth pair, under half the torque."""
+    members = {"pinion": {"teeth": 23, "bore": 40}, "gear": {"teeth": 57, "bore": 70}}
+    common = {"kind": "cylindrical", "module": 4, "helix_angle": 28, "backlash": 0.12}
+    stiff = []
+    for width, more, torque in ((72, {"arrangement": "double_helical", "gap": 12}, 300.0), (30, {}, 150.0)):
+        widths = {name: {**keys, "face_width": width} for name, keys in members.items()}
+        gears = gm.build(gm.parse({**common, **more, **widths}))
+        total = gears.loaded_contact(torque, [0.0, 5.0], level="quick").totals[0]
+        stiff.append([total.mean_tangent_stiffness_per_width, total.c_gamma, total.c_prime])
+    np.testing.assert_allclose(*stiff, rtol=3e-3)
+
+
+@pytest.mark.sweep
 def test_halves_that_do_not_touch_alike() -> None:
     """A gear that has moved along its axis closes one half and opens the other: they change over with the sign of the move, and
     the lesser torque is carried by one alone."""

@@ -452,7 +452,9 @@ class LoadedContact(Result):
         if self._width is None or twist is None:
             return dict.fromkeys(names)
         bent = self.mesh.rotation[torque] - twist * self.mesh.torque[torque]
-        values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), (load.moment / bent[load.position]).max()
+        # a tooth pair of double helical gears is one in each half: two stiffnesses beside each other
+        one_pair = len(self.pair.halves) * (load.moment / bent[load.position]).max()
+        values = tangent.mean(), (1.0 / (1.0 / tangent - twist)).mean(), one_pair
         return {name: float(value) / self._width for name, value in zip(names, values, strict=True)}
 
     @cached_property
@@ -506,7 +508,8 @@ class LoadedContact(Result):
             0.0 if member.idler else twist_compliance(member.one_tooth, material, by_rim=by_rim)
             for member, material, by_rim in zip(self.pair.both, materials, held, strict=True)
         )
-        return first + second / self.pair.ratio**2
+        # halves of double helical gears twist beside each other, each under its part of the torque
+        return (first + second / self.pair.ratio**2) / len(self.pair.halves)
 
     def _in_fillets(self) -> tuple[Array, ...]:
         """Return figures (T, P, 2) in the fillets of both members.

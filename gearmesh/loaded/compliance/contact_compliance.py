@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from gearmesh.contact.hertz import Material, contact_modulus
@@ -108,10 +109,9 @@ class ContactCompliance:
         # half-spaces: coefficients depend on the distance of rows only
         table = rectangle_influence(np.arange(x)[:, None] * width, place * height, width, height)
         spectrum = np.moveaxis(table / contact_modulus(*self.materials) @ cosines, -1, -2)
-        row = np.arange(x)
-        apart = np.abs(row[:, None] - row)
-        for grid, k, at in zip(position, column, spectrum, strict=True):
-            self.waves[grid, k] = at[:, apart]
+        # rows of a symmetric matrix whose values depend on the distance are windows of one row of values, back and forth
+        back_and_forth = np.concatenate((spectrum[..., :0:-1], spectrum), axis=-1)
+        self.waves[position, column] = sliding_window_view(back_and_forth, x, axis=-1)[..., ::-1, :]
         for material, of_body in zip(self.materials, self.ends[:, :, position, column], strict=True):
             for grid_end, distance in enumerate(of_body):
                 # end faces: one at the largest x is computed as its mirror image
@@ -182,11 +182,11 @@ def _end(
 
 def _add_end(waves: Array, m_squared: Array, coefficients: Array) -> None:
     """Add an end face, as `_end` returns it for one grid, to the waves (F, X, X) of the grid."""
-    row = np.arange(waves.shape[-1])
-    row_sum = row[:, None] + row
-    # Horner's rule
-    added = coefficients[-1][:, row_sum]
-    for of_power in coefficients[-2::-1]:
+    # coefficients (RELEASE_POWERS, F, X, X) of the sums of both rows, as views; Horner's rule
+    of_rows = sliding_window_view(coefficients, waves.shape[-1], axis=-1)
+    added = of_rows[-1] * m_squared
+    for of_power in of_rows[-2:0:-1]:
+        added += of_power
         added *= m_squared
-        added += of_power[:, row_sum]
+    added += of_rows[0]
     waves += added
