@@ -203,7 +203,7 @@ def pressures(
 
 @dataclass
 class _Steps:
-    """What steps know of B problems with N cells: values (B, N) by cell, else (B,)."""
+    """Values of B problems with N cells between two steps, (B, N) by cell, else (B,)."""
 
     gap: Array
     area: Array
