@@ -9,10 +9,11 @@ from gearmesh.systems.common.bevel.machine_frame import own_axes
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 
 
-def machine_points(side: Generated, roll: Array, turn: Array, p: Array) -> Array:
+def machine_points(side: Generated, roll: Array, turn: Array, p: Array, *, rounding: bool = False) -> Array:
     """Points (M, 3) of the blade on the blank, M of each: rotations of cradle and cutter, and parameters of the edge.
 
-    The machine's axes turn one by one; the blank turns for roll and indexing.
+    The machine's axes turn one by one; the blank turns for roll and indexing. With `rounding` the points are on the
+    rounding of the blade's tip.
     """
     settings, indexing = side.settings, side.indexing
     assert indexing is not None
@@ -35,7 +36,8 @@ def machine_points(side: Generated, roll: Array, turn: Array, p: Array) -> Array
     towards = (np.array([side.mean, 0.0, 0.0]) - machine_centre - settings.radial * outwards) @ still
     radial = np.append(towards[:2] / np.linalg.norm(towards[:2]), 0.0)
     across = rotation_about("z", indexing.offset_angle) @ radial
-    height, beside = np.moveaxis(side.blade.flank.section(p)[0], -1, 0)
+    profile = side.blade.rounding if rounding else side.blade.flank
+    height, beside = np.moveaxis(profile.section(p)[0], -1, 0)
     out = side.blade.side * beside - indexing.radius
     edge = indexing.radius * radial + out[:, None] * across + np.multiply.outer(-height, [0.0, 0.0, 1.0])
     centre = np.multiply.outer(moved(settings.radial, settings.radial_motion, roll), outwards)
@@ -60,13 +62,19 @@ def moved(setting: float, motion: tuple[float, ...], roll: Array) -> Array:
     return np.asarray(setting + sum((a * roll**k for k, a in enumerate(motion, start=1)), np.zeros_like(roll)))
 
 
-def clearances(side: Generated, roll: Array, points: tuple[Array, Array], start: Array) -> Array:
+def clearances(
+    side: Generated, roll: Array, points: tuple[Array, Array], start: Array, *, rounding: bool = False
+) -> Array:
     """Unknowns (M, 3): rotation of the cutter, parameter of the edge, and distance (mm) of the blade along normals."""
     r, n = points
     x, step = start.copy(), np.array([1e-6, 1e-6])
+
+    def edge(x: Array, turned: float = 0.0, moved: float = 0.0) -> Array:
+        return machine_points(side, roll, x[:, 0] + turned, x[:, 1] + moved, rounding=rounding)
+
     for _ in range(8):
-        at = machine_points(side, roll, x[:, 0], x[:, 1])
-        columns = [(machine_points(side, roll, x[:, 0] + d[0], x[:, 1] + d[1]) - at) / d.sum() for d in np.diag(step)]
+        at = edge(x)
+        columns = [(edge(x, *d) - at) / d.sum() for d in np.diag(step)]
         matrix = np.stack((*columns, -n), axis=-1)
         x -= np.linalg.solve(matrix, (at - r - x[:, 2:] * n)[..., None])[..., 0]
     return x

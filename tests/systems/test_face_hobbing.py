@@ -71,6 +71,17 @@ LARGE_OFFSET: dict[str, Any] = {
     **{"kind": "hypoid", "module": 5, "offset": 80, "spiral_angle": 43, "head": {"blade_groups": 12}},
     **{"pinion": {"teeth": 20}, "gear": {"teeth": 110}},
 }
+#: a gear that is not generated with nearly as many teeth as its pinion
+NEAR_ONE: dict[str, Any] = {
+    **{"kind": "hypoid", "process": "face_hobbed_formate", "module": 8.59, "pressure_angle": 19.29, "hand": "left"},
+    **{
+        "head": {"blade_groups": 14},
+        "offset": 9.446,
+        "spiral_angle": 39.63,
+        "pinion": {"teeth": 29},
+        "gear": {"teeth": 34},
+    },
+}
 #: a design of face milling with all settings
 MILLED = "samples/spiral_bevel_abdullah_curved.toml"
 NAMES = ("concave", "convex")
@@ -299,6 +310,23 @@ def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
             assert path.pinion.blade.blade_angle == pytest.approx(gear.blade.blade_angle, abs=0.01)
             # the path's mean point is not centred here: its ends are not where the teeth change
             assert previews.apart(path) > -0.15
+        # crowned for directions of the path, with modified roll for the rest of the lag, the head stays there as well
+        lengthwise = []
+        for share in (0.1, 0.25, 0.4):
+            choice = previews.crowned(plain, share=share)
+            assert choice.asked.ratio_derivative == plain.asked.ratio_derivative
+            assert choice.asked.semi_major_axis == pytest.approx(plain.asked.semi_major_axis, rel=0.02)
+            path = previews.of(choice)
+            assert path is not None
+            assert previews.in_gear_place(path)
+            settings = path.pinion.settings
+            assert abs(settings.machining_offset) < 0.003 * blank.gear.mean_cone_distance
+            assert settings.modified_roll[0] == pytest.approx(choice.second_roll(14 / 39), rel=1e-12)
+            bend = 2.0 * abs(path.orders[2]) / (14 / 39 * (2.0 * np.pi / 14) ** 2)
+            assert bend == pytest.approx(abs(plain.asked.ratio_derivative), rel=0.02)
+            lengthwise.append(abs(np.cos(choice.asked.path_angle)))
+        assert lengthwise == sorted(lengthwise)
+        assert lengthwise[-1] - lengthwise[0] > 0.1
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -316,6 +344,18 @@ def test_pinion_of_formed_gear_is_good(values: dict[str, Any], name: str) -> Non
     assert not answer["te_breaks_phi1_deg"]
     assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.1)
     assert answer["contact_ratio"] > 1.0
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("name", NAMES)
+def test_formed_pair_near_ratio_one_is_good(name: str) -> None:
+    """A contact across the profile is too short on the concave side. No machine near the gear's place gave a longer one."""
+    gears = gm.build(gm.parse({**NEAR_ONE, "contact": {"side": f"pinion_{name}"}}))
+    answer = gears.contact().summary
+    assert not answer["interference_um"]
+    assert not answer["te_breaks_phi1_deg"]
+    assert answer["mesh_te_peak_to_peak_arcsec"] == pytest.approx(10.0, rel=0.1)
+    assert answer["contact_ratio"] > 1.1
 
 
 @pytest.mark.parametrize("pair", SYNTHESISED)

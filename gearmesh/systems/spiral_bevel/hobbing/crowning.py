@@ -57,6 +57,21 @@ def crown_curvatures(
     return float(k_x), float(k_y)
 
 
+def directed_curvatures(slopes: tuple[float, float, float], total: float, share: float) -> tuple[float, float]:
+    """Return the curvatures k_x and k_y (1/mm) whose path has a direction between two.
+
+    At a `share` of 0 there is no crowning of the profile, at 1 the path is along the tooth; below 0 blades are convex.
+
+    - `slopes`, `total`: as for `crown_curvatures`
+    """
+    g_x, g_y, twist = slopes
+    angle = 0.5 * np.pi * share
+    # both parts of T are in equal units: crowning lengthwise, and along the profile
+    k_x, k_y = np.cos(angle), np.sin(angle) * (g_y / g_x) ** 2
+    scale = total / (k_x * (g_y**2 - 2.0 * twist * g_x * g_y) + k_y * g_x**2)
+    return float(scale * k_x), float(scale * k_y)
+
+
 def crown_gear_curvatures(
     slopes: tuple[float, float, float], stiffness: float, least: float, parting: float, most: float
 ) -> tuple[float, float]:
@@ -83,7 +98,13 @@ def crown_gear_curvatures(
 
 
 def crowned_contact(
-    gear: MeanContact, jet: Jet, twist: float, asked: ContactAsked, *, lengthwise: bool = True
+    gear: MeanContact,
+    jet: Jet,
+    twist: float,
+    asked: ContactAsked,
+    *,
+    lengthwise: bool = True,
+    share: float | None = None,
 ) -> ContactAsked:
     """Return the contact of a pinion that the head of its gear cuts in the gear's place, crowned, for a lag and an ellipse.
 
@@ -94,6 +115,7 @@ def crowned_contact(
     - `twist`: c
     - `asked`: derivative of the ratio, and longest ellipse
     - `lengthwise`: as for `crown_curvatures`
+    - `share`: direction of the path, as for `directed_curvatures`; the lag is then that of the head alone
     """
     sliding, turning, rest = relative_motion(gear)
     x = unit(jet.r_v)
@@ -108,7 +130,12 @@ def crowned_contact(
         # beside the line the pinion parts from the crowned head as well
         beside = (across @ sliding - rest) / rest**2
         stiffness = 1.0 / (flexible - min(float(beside), MAX_BESIDE_SHARE * flexible))
-        k_x, k_y = crown_curvatures((g_x, g_y, twist), stiffness, total, lengthwise=lengthwise)
+        slopes = g_x, g_y, twist
+        k_x, k_y = (
+            crown_curvatures(slopes, stiffness, total, lengthwise=lengthwise)
+            if share is None
+            else directed_curvatures(slopes, total, share)
+        )
         gap: Array = basis.T @ np.array([[k_x, twist * k_x], [twist * k_x, k_y]]) @ basis
         crowned = replace(gear, gear_operator=gear.gear_operator - gap)
     return contact_of(conjugate_operator(crowned), gear, asked.delta)

@@ -15,7 +15,9 @@ middle. The choice uses `ContactPreviews`, the paths of contact of possible requ
 5. The pinion of a face-hobbed gear that is not generated can be cut by the gear's own head, crowned. Its contact, which
    follows the directions of the head, is tried first: its flanks part from the path to all sides.
 
-6. If none of these gives a good pair, modified roll removes the third and higher orders from the parabola.
+6. Modified roll gives its parabola instead, so that the head may be crowned for other directions of the path.
+
+7. If none of these gives a good pair, modified roll removes the third and higher orders from the parabola.
 """
 
 from __future__ import annotations
@@ -62,8 +64,12 @@ LAG_TOLERANCE = 2e-3
 MAX_SHIFT_SHARES = (0.25, 0.35)
 #: numbers of contact previews after which no other direction is tried: without modified roll, and in all with it
 MAX_PREVIEW_COUNTS = (45, 70)
-#: numbers of contact previews of the gear's own head with modified roll: of the second order, and in all with higher ones
-MAX_ROLLED_COUNTS = (20, 36)
+#: numbers of contact previews of the gear's own head with modified roll: of the second order, and with higher ones
+MAX_ROLLED_COUNTS = (20, 16)
+#: directions of the path that the gear's own head is crowned for, from across the profile to lengthwise
+DIRECTION_SHARES = (0.1, 0.25, 0.4, 0.6, 0.8)
+#: height from which these contacts are sought, over that of the pitch line, both from the middle of the depth
+START_SHARE = 0.3
 #: keys of a contact that follow where the gear's own head cuts the pinion
 CROWNED_KEYS = ("path_angle", "semi_major_axis")
 #: largest coefficient of modified roll
@@ -134,25 +140,60 @@ class _Search:
         """Return the first good choice, or else the best one."""
         if "by_roll" not in self.free:
             return self._best_by_head(first)[0]
-        rolled, score = self._best_by_roll(replace(first, by_roll=True))
-        if sum(score) >= 1.0:
-            return rolled
-        other, other_score = self._best_by_head(replace(first, by_roll=False))
-        return other if sum(other_score) > sum(score) else rolled
-
-    def _best_by_roll(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
-        """Return the best choice by the gear's own head with modified roll, and its measures."""
+        rolled = replace(first, by_roll=True)
         best, best_score = first, (-np.inf, -np.inf)
-        for rolled in (False, True):
-            for direction in self._directions(first):
-                if self.previews.count >= MAX_ROLLED_COUNTS[rolled]:
+        for tried in (
+            partial(self._best_by_roll, rolled, rolled=False),
+            partial(self._best_directed, rolled),
+            partial(self._best_by_roll, rolled, rolled=True),
+            partial(self._best_by_head, first),
+        ):
+            choice, score = tried()
+            if sum(score) > sum(best_score):
+                best, best_score = choice, score
+            if sum(best_score) >= 1.0:
+                break
+        return best
+
+    def _best_by_roll(self, first: ContactChoice, *, rolled: bool) -> tuple[ContactChoice, tuple[float, float]]:
+        """Return the best choice by the gear's own head with modified roll, and its measures.
+
+        `rolled`: with the orders of the roll above the second.
+        """
+        best, best_score, begun = first, (-np.inf, -np.inf), self.previews.count
+        for direction in self._directions(first):
+            if self.previews.count - begun >= MAX_ROLLED_COUNTS[rolled]:
+                break
+            for choice, path in self._ellipses(direction, rolled=rolled):
+                score = self._good(path)
+                if self.previews.in_gear_place(path) and sum(score) > sum(best_score):
+                    best, best_score = choice, score
+            if sum(best_score) >= 1.0:
+                break
+        return best, best_score
+
+    def _best_directed(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
+        """Return the best choice by the gear's own head, crowned for a direction, with modified roll, and its measures."""
+        best, best_score, blank = first, (-np.inf, -np.inf), self.previews.blank
+        # heads far from the pitch line may have no machine in the gear's place
+        nearer = START_SHARE * (blank.gear.mean_dedendum - 0.5 * blank.mean_depth)
+        first = self._move(first, np.array([0.0, nearer]))
+        for share in DIRECTION_SHARES:
+            aligned = partial(self.previews.crowned, share=share)
+            for part in ELLIPSE_SHARES:
+                axis = part * first.asked.semi_major_axis
+                start = replace(first, asked=replace(first.asked, semi_major_axis=axis))
+                refined = self._refine(aligned(start), aligned=aligned)
+                if refined is None:
+                    continue
+                score = self._good(refined[1])
+                if sum(score) > sum(best_score):
+                    best, best_score = refined[0], score
+                # a shorter ellipse mends what touches before the path, and nothing else
+                if score[0] < 1.0 or score[1] >= 0.0:
                     break
-                for choice, path in self._ellipses(direction, rolled=rolled):
-                    score = self._good(path)
-                    if self.previews.in_gear_place(path) and sum(score) > sum(best_score):
-                        best, best_score = choice, score
-                if sum(best_score) >= 1.0:
-                    return best, best_score
+            if sum(best_score) >= 1.0:
+                break
         return best, best_score
 
     def _best_by_head(self, first: ContactChoice) -> tuple[ContactChoice, tuple[float, float]]:
@@ -263,7 +304,7 @@ class _Search:
         """
         path = self.previews.of(choice)
         for _ in range(MAX_REFINE_ROUNDS):
-            if path is None:
+            if path is None or (choice.by_roll and not self.previews.in_gear_place(path)):
                 return None
             # corrections by the last path; the loop ends when they change nothing
             better = self._scale(self._centre(choice, path), path)

@@ -186,12 +186,13 @@ class ContactPreviews:
         """True if the gear's own head can cut the pinion: of face-hobbed gears that are not generated."""
         return self.design.hobbed and self.design.formate
 
-    def crowned(self, choice: ContactChoice, *, lengthwise: bool = True) -> ContactChoice:
+    def crowned(self, choice: ContactChoice, *, lengthwise: bool = True, share: float | None = None) -> ContactChoice:
         """Return a choice with the path of the gear's own head, crowned, and an ellipse of about the choice's length at most.
 
         A choice whose mean point never meets the pinion is returned as it is.
 
-        `lengthwise`: with more crowning lengthwise than along the profile.
+        - `lengthwise`: with more crowning lengthwise than along the profile
+        - `share`: direction of the path, as for `directed_curvatures`; modified roll adds what the lag of the head lacks
         """
         try:
             mean = self._mean_point(choice)
@@ -199,8 +200,13 @@ class ContactPreviews:
             return choice
         flank, position = mean.mating
         jet = flank.jet(*(np.array(x) for x in mean.parameters)).move(position)
-        asked = crowned_contact(mean.contact, jet, self._twist, choice.asked, lengthwise=lengthwise)
-        return replace(choice, asked=asked)
+        asked = crowned_contact(mean.contact, jet, self._twist, choice.asked, lengthwise=lengthwise, share=share)
+        if share is None:
+            return replace(choice, asked=asked)
+        wanted = choice.asked.ratio_derivative
+        return replace(
+            choice, asked=replace(asked, ratio_derivative=wanted), by_roll=True, head_derivative=asked.ratio_derivative
+        )
 
     def in_gear_place(self, path: ContactPreview | None) -> bool:
         """Return True for a path of a head in the place of the gear: the ratio of roll is that of the teeth."""

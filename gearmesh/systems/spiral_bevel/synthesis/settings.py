@@ -84,15 +84,17 @@ class ContactChoice:
     roll: tuple[float, float, float] = (0.0, 0.0, 0.0)
     #: settings for an ease-off in place of local synthesis; of the rest only the mean point then counts
     form: FlankForm | None = None
-    #: True where modified roll gives the derivative of the ratio, and the head only parts the flanks along the path
+    #: True where modified roll gives the derivative of the ratio, less that of the head
     by_roll: bool = False
+    #: derivative of the ratio that the crowned head gives beside modified roll; 0 where it only parts flanks along the path
+    head_derivative: float = 0.0
 
     def second_roll(self, ratio: float) -> float:
         """Return the coefficient of modified roll of the second order that gives the derivative of the ratio.
 
         `ratio`: ratio of roll, that of the teeth.
         """
-        return 0.5 * self.asked.ratio_derivative / ratio if self.by_roll else 0.0
+        return 0.5 * (self.asked.ratio_derivative - self.head_derivative) / ratio if self.by_roll else 0.0
 
 
 @dataclass(frozen=True)
@@ -490,21 +492,24 @@ def _leaning(
 ) -> ToolSettings:
     """Return the settings of a tilted cutter.
 
-    The swivel counts from the cutter's position on the cradle, which depends on the lean: fixed-point steps.
+    The swivel counts from the cutter's position on the cradle, which depends on the lean: the secant of the last two
+    steps, where they come nearer, gives the next.
 
     Raises NoSolutionError if the steps do not converge.
     """
     tilt, swivel = np.radians(spec.tilt), np.radians(spec.swivel)
     root = np.array([cradle[2], 0.0, -cradle[0]])
     across = np.cross(cradle, root)
-    settings, last_azimuth = upright, np.inf
+    settings, azimuth, last, missed = upright, np.nan, np.nan, np.nan
     for _ in range(MAX_LEAN_STEPS):
-        lean_azimuth = np.arctan2(settings.cutter[1], settings.cutter[0]) + hand * (0.5 * np.pi + swivel)
-        axis = np.sin(tilt) * (np.cos(lean_azimuth) * root + np.sin(lean_azimuth) * across) + np.cos(tilt) * cradle
-        settings = solve(axis)
-        if abs(lean_azimuth - last_azimuth) <= LEAN_TOLERANCE_RAD:
+        found = float(np.arctan2(settings.cutter[1], settings.cutter[0]) + hand * (0.5 * np.pi + swivel))
+        miss = found - azimuth
+        if abs(miss) <= LEAN_TOLERANCE_RAD:
             return settings
-        last_azimuth = lean_azimuth
+        follows = azimuth - miss * (azimuth - last) / (miss - missed) if abs(miss) < abs(missed) else found
+        azimuth, last, missed = follows, azimuth, miss
+        axis = np.sin(tilt) * (np.cos(azimuth) * root + np.sin(azimuth) * across) + np.cos(tilt) * cradle
+        settings = solve(axis)
     raise NoSolutionError(
         reason="no cutter with this tilt and swivel gives this contact", remedy="change tilt or swivel"
     )
