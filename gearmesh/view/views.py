@@ -112,8 +112,12 @@ def gap_scene(
     value_map = ValueMap(lifted, 1e3 * gap, 1e3 * limit, "smallest gap in the roll test (µm)")
     border = Curve(area_edges(lifted, gap / limit), colour=REGION_EDGE, width=1.0)
     seen = replace(view, size=beside_bar(view.size))
+    near = grid[np.isfinite(gap)]
+    # the roll test has one position: on a thread it may lie beside the path of contact
+    winds = view.grid is not None and len(near) and _winds(view.grid)
+    camera = _thread_camera(view.grid, contact, seen.size, near) if winds and view.grid is not None else None
     return replace(
-        tooth_scene(seen, contact),
+        tooth_scene(seen, contact, camera),
         maps=(value_map,),
         curves=(border, *path_on_surface(view, contact)),
         size=view.size,
@@ -364,14 +368,19 @@ def flank_pixel(grid: Array, size: tuple[int, int]) -> float:
     return max(FLANK_MARGIN * height / high, min(FLANK_MARGIN * length / wide, MIN_CUT_HEIGHT * height / high))
 
 
-def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int]) -> Camera:
+def _thread_camera(grid: Array, contact: MemberContact, size: tuple[int, int], places: Array | None = None) -> Camera:
     """Return the camera that looks at a flank of points (I, J, 3) that winds round its axis.
 
-    It looks from the side on which the middle of the contact lies, and sees the columns of the flank with contact
-    there.
+    It looks from the side on which the middle of the contact lies, or of `places` (K, 3), and sees the columns of the
+    flank with contact there.
     """
-    turn = _turn_near(grid, contact.middle, MIN_VISIBLE_COSINE)
-    columns = _nearest_columns(grid, contact.places)
+    middle = contact.middle
+    if places is None:
+        places = contact.places
+    else:
+        middle = places[int(np.linalg.norm(places - places.mean(axis=0), axis=-1).argmin())]
+    turn = _turn_near(grid, middle, MIN_VISIBLE_COSINE)
+    columns = _nearest_columns(grid, places)
     touched = columns[(columns >= turn.start) & (columns < turn.stop)]
     seen = grid[:, touched.min() : touched.max() + 1]
     up = unit(_heights(seen).mean(axis=0))

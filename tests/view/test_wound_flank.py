@@ -6,6 +6,7 @@ import numpy as np
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
+import gearmesh as gm
 from gearmesh import load
 from gearmesh.answers.contact.staging import flank_places
 from gearmesh.contact.flanks import analyse
@@ -13,7 +14,7 @@ from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.mesh.solid import gear_solid
 from gearmesh.view.on_tooth import union_level
 from gearmesh.view.pictures import PICTURE_SIZE, contact_picture
-from gearmesh.view.scene import contact_on
+from gearmesh.view.scene import beside_bar, contact_on
 
 
 def test_contact_on_a_thread_is_seen() -> None:
@@ -78,3 +79,13 @@ def hidden(start: Array, axes: Array, corners: Array) -> bool:
     around = (areas > 0.0).all(axis=1) | (areas < 0.0).all(axis=1)
     depth = (areas[:, after] * z).sum(axis=1)[around] / areas[around].sum(axis=1)
     return bool((depth > 0.0).any())
+
+
+def test_gap_of_one_position_is_in_the_middle_of_the_picture() -> None:
+    """The path of contact of a ZI worm goes round the thread; the roll test of one position touches a part of it at its side."""
+    gears = gm.build(load(str(SAMPLES / "worm_drive.toml"), []))
+    scene = gears.picture("gap", size=(400, 300))._scene
+    (values,) = scene.maps
+    points = values.points[np.isfinite(values.values)]
+    x, _, _ = scene.camera.pixels(points, beside_bar(scene.size)).T
+    assert 0.35 < np.median(x) / beside_bar(scene.size)[0] < 0.65
