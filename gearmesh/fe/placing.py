@@ -8,6 +8,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
+from gearmesh.contact.engagement.train_turns import pitches_around
 from gearmesh.contact.flanks import hertz_path, solver_pair
 from gearmesh.contact.hertz import Material, contact_modulus, normal_force
 from gearmesh.contact.path import ContactPath
@@ -90,13 +91,14 @@ def place(pair: GearPair, phi1: float, torque: float, materials: tuple[Material,
     # a rotation by whole pitches brings other teeth to the same place, unless the members are eccentric
     if pair.pinion.mount.eccentricity == pair.gear.mount.eccentricity == (0.0, 0.0):
         turn -= pitch * float(np.round(turn / pitch))
-    path = contact_path(flanks, turn + pitch * np.arange(-MAX_NEIGHBOURS, MAX_NEIGHBOURS + 1.0))
+    near = max(MAX_NEIGHBOURS, pitches_around(pair))
+    path = contact_path(flanks, turn + pitch * np.arange(-near, near + 1.0))
     if not path.touching.any():
         raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
     ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
     # pairs of conjugate gears are equally far ahead, apart from rounding: the requested pair then leads
-    pair_distance = np.abs(np.arange(-MAX_NEIGHBOURS, MAX_NEIGHBOURS + 1))
-    foremost = np.argmin(np.where(ahead >= ahead.max() - EQUAL_ADVANCE, pair_distance, MAX_NEIGHBOURS + 1))
+    pair_distance = np.abs(np.arange(-near, near + 1))
+    foremost = np.argmin(np.where(ahead >= ahead.max() - EQUAL_ADVANCE, pair_distance, near + 1))
     return _under(pair, contact_path(flanks, path.rotation[[int(foremost)]]), torque, materials)
 
 

@@ -16,15 +16,18 @@ from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 INVERSION_ROUNDS = 2
 
 
+def pitches_around(pair: GearPair) -> int:
+    """Return the pitches each way within which a tooth pair leads: half a turn of pairs whose teeth mesh all round, else one."""
+    all_round = pair.arm_turns or solver_pair(pair).coupled
+    return (pair.pinion.tooth.teeth + 1) // 2 if all_round else 1
+
+
 def leading_turns(pair: GearPair, phi1: Array, around: int | None = None) -> tuple[Array, Array]:
     """Compute rotations (N,) of pinion and gear, rad, at phi1 (N,), rad, of the pinion; NaN where no teeth touch.
 
-    The most advanced tooth pair within `around` pitches decides: by default within one, of pairs whose teeth mesh all round within
-    half a turn.
+    The most advanced tooth pair within `around` pitches decides, by default `pitches_around`.
     """
-    if around is None:
-        all_round = pair.arm_turns or solver_pair(pair).coupled
-        around = (pair.pinion.tooth.teeth + 1) // 2 if all_round else 1
+    around = pitches_around(pair) if around is None else around
     number = np.round(phi1 / pair.pitch)[:, None] + np.arange(-around, around + 1.0)
     rotation, phi2, touching = _tooth_pairs(pair, (phi1[:, None] - number * pair.pitch).ravel(), number.ravel())
     shifts = (number * pair.pitch).ravel()
