@@ -167,6 +167,40 @@ def test_usual_heads_clear_the_blank() -> None:
     assert not any(second_pass(side, blank.gear) for side in teeth.cut.gear.values())
 
 
+#: hypoid pairs whose usual head cuts the pinion twice, or leaves no flank up to its tip; and one whose blades only enter the
+#: space that they cut, at the end of the roll
+HYPOIDS: dict[str, dict[str, Any]] = {
+    "twice": {
+        **{"module": 2.254, "pressure_angle": 18.87, "hand": "right", "spiral_angle": 39.57, "offset": 13.757},
+        **{"head": {"blade_groups": 11}, "pinion": {"teeth": 20}, "gear": {"teeth": 41}},
+    },
+    "no_tip": {
+        **{"module": 2.968, "pressure_angle": 20.64, "spiral_angle": 34.67, "offset": 7.442},
+        **{"head": {"blade_groups": 12}, "pinion": {"teeth": 13}, "gear": {"teeth": 18}},
+    },
+    "same_space": {
+        **{"module": 3.398, "pressure_angle": 19.85, "spiral_angle": 43.96, "offset": 7.181},
+        **{"head": {"blade_groups": 17}, "pinion": {"teeth": 10}, "gear": {"teeth": 21}},
+    },
+}
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("pair", list(HYPOIDS))
+def test_hypoid_pairs_get_a_head_that_cuts_them(pair: str) -> None:
+    """A larger head than the usual one where that is refused, which is written; contact on both sides."""
+    design = gm.parse({**HYPOIDS[pair], "kind": "hypoid", "process": "face_hobbed"})
+    filled = design.head.radius  # type: ignore[attr-defined]
+    assert (filled is None) == (pair == "same_space")
+    gears = gm.build(design)
+    teeth = bevel_teeth(gears.design.in_mm())
+    if filled is not None:
+        assert teeth.cut.blank.cutter_radius == pytest.approx(filled)
+    for sides, own in ((teeth.cut.pinion, teeth.cut.blank.pinion), (teeth.cut.gear, teeth.cut.blank.gear)):
+        assert not any(second_pass(side, own) for side in sides.values())
+    assert gears.contact().summary["contact_ratio"] > 1.0
+
+
 def test_eccentricity_that_is_too_large_is_refused() -> None:
     with pytest.raises(gm.DesignError) as refusal:
         gm.build(gm.parse({**BASIC, "head": {"radius": 75, "eccentricity": 60}}))

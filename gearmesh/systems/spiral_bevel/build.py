@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.kernel.numeric.roots import last_true
-from gearmesh.systems.common.bounds import at_most
+from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.systems.spiral_bevel.blank.proportion_choice import open_factors
+from gearmesh.systems.spiral_bevel.hobbing.head import larger_radii
 from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import HeadRoom, refuse_second_pass, slots_are_wide
 from gearmesh.systems.spiral_bevel.machine.gear_cradle import upright_cutter
 from gearmesh.systems.spiral_bevel.machine.pair import (
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 #: key of the radius of the gear's cutter, which determines how straight the teeth are
 STRAIGHT_KEY = "gear.cutter.tip_radius"
+#: key of the radius of the head of face hobbing
+HEAD_KEY = "head.radius"
 #: largest cutter radius that is tried, in mean cone distances
 MAX_RADIUS_SHARE = 100.0
 #: largest tilt (deg) of a cutter, that of the key
@@ -154,14 +157,14 @@ def _leant(design: FaceMilledDesign) -> FaceMilledDesign:
 def left_to_geometry(design: FaceMilledDesign) -> dict[str, float]:
     """Return settings that follow from the geometry, in the design's units, by dotted key.
 
-    They are the radius of the straightest teeth, tilt and swivel for a gear that is not generated, and sliding bases of
-    tilted cutters and of pairs with offset.
+    They are the radius of the straightest teeth or of a larger head, tilt and swivel for a gear that is not generated, and
+    sliding bases of tilted cutters and of pairs with offset.
 
     One crown gear leaves none. Raises DesignError and NoSolutionError as `build`.
     """
     if design.one_crown_gear:
         return {}
-    radius = _straightest_radius(design)
+    radius = _straightest_radius(design) or _larger_head(design)
     design = design.fill(radius) if radius else design
     leaning = _leaning(design)
     return {**radius, **leaning, **_sliding_bases(design.fill(leaning) if leaning else design)}
@@ -191,6 +194,36 @@ def _straightest_radius(design: FaceMilledDesign) -> dict[str, float]:
     # bisection over the logarithm of the radius
     low, _ = last_true(works, np.log([least]), np.log([most]), rounds=RADIUS_HALVINGS)
     return {STRAIGHT_KEY: float(at_most(max(least, KEPT_RADIUS_SHARE * float(np.exp(low[0])))))}
+
+
+def _larger_head(design: FaceMilledDesign) -> dict[str, float]:
+    """Return the radius of a larger head than the usual one where that cannot cut a hypoid pair, by dotted key.
+
+    The gear is generated. The result is empty if the radius is given, the usual head cuts the pair, or no larger one does.
+    """
+    if not design.hobbed or design.formate or design.head.radius is not None or design.one_crown_gear:
+        return {}
+    try:
+        _refuse_cut_twice(design)
+    except NoSolutionError:
+        return {}
+    except DesignError:
+        blank = basic_blank(design.in_mm())
+        for radius in larger_radii(blank.cutter_radius, blank.gear.mean_cone_distance):
+            key = {HEAD_KEY: float(at_least(radius / design.mm_per_unit))}
+            try:
+                _refuse_cut_twice(design.fill(key))
+            except (DesignError, NoSolutionError):
+                continue
+            return key
+    return {}
+
+
+def _refuse_cut_twice(design: FaceMilledDesign) -> None:
+    """Raise as `build` for a face-hobbed design with the chosen contact."""
+    made = bevel_teeth(design.in_mm())
+    for member, sides, _ in _members(made):
+        refuse_second_pass(member.name, sides, _blank_of(made.cut.blank, member))
 
 
 def _is_made(design: FaceMilledDesign) -> bool:

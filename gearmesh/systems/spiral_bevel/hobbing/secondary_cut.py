@@ -66,6 +66,8 @@ PASS_STATIONS = 3
 PASS_ROLLS = 7
 #: number of rotations of a head at which its pass is followed
 PASS_ROTATIONS = 720
+#: rotations beside those that cut a flank, over these, in which tips enter the same space: those of the ends of the roll
+BESIDE_SHARE = 0.5
 
 
 def blade_width(tooth: Tooth) -> float:
@@ -218,7 +220,9 @@ def second_pass(side: Generated, own: MemberBlank) -> float:
     r = settings.own_from_machine(hand).point(about_z(c, s, on_cradle))
     station, depth = own.stations.value(r), -own.tip.value(r)
     inside = (depth > 0.0) & (station > toe) & (station < heel)
-    beside = (turn < v.min()) | (turn > v.max())
+    # at the ends of the roll the tips enter the blank next to the flank's own rotations
+    margin = BESIDE_SHARE * (v.max() - v.min())
+    beside = (turn < v.min() - margin) | (turn > v.max() + margin)
     # the pass in which the flank is cut is the one that reaches its rotations
     depths = [depth[k][_apart(row, ~beside)] for k, row in enumerate(inside)]
     return float(max((each.max() for each in depths if each.size), default=0.0))

@@ -172,7 +172,7 @@ class _Remembered:
         ]
         cutters = design.pinion.concave, design.pinion.convex, design.gear.cutter
         derived = [(cutter.sliding_base, cutter.tilt, cutter.swivel, cutter.tip_radius) for cutter in cutters]
-        return cls(repr((type(design), values, derived, design.contact.delta)), design)
+        return cls(repr((type(design), values, derived, design.head.radius, design.contact.delta)), design)
 
     @property
     def stated_design(self) -> _Remembered:
