@@ -483,20 +483,21 @@ def _near(beyond: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 
     Contact is possible only at or beside such nodes. `beyond` (4, N, I J): distances outside the limits, mm.
     """
-    near = np.ones((beyond.shape[1], *shape), dtype=bool)
-    for limit in beyond:
-        near &= _wider((limit <= SLACK_MM).reshape(-1, *shape))
+    inside = _wider((beyond <= SLACK_MM).reshape(-1, *shape))
+    near: NDArray[np.bool_] = inside.reshape(len(beyond), -1, *shape).all(axis=0)
     return near
 
 
 def _wider(nodes: NDArray[np.bool_], steps: int = 1) -> NDArray[np.bool_]:
     """Return True (N, I, J) for marked nodes and for nodes within a number of steps from them."""
     wide = nodes
-    for axis in (1, 2) * steps:
-        narrow, wide = np.moveaxis(wide, axis, 1), wide.copy()
-        along = np.moveaxis(wide, axis, 1)
-        along[:, 1:] |= narrow[:, :-1]
-        along[:, :-1] |= narrow[:, 1:]
+    for _ in range(steps):
+        narrow, wide = wide, wide.copy()
+        wide[:, 1:] |= narrow[:, :-1]
+        wide[:, :-1] |= narrow[:, 1:]
+        narrow, wide = wide, wide.copy()
+        wide[:, :, 1:] |= narrow[:, :, :-1]
+        wide[:, :, :-1] |= narrow[:, :, 1:]
     return wide
 
 

@@ -81,6 +81,11 @@ class FlankHeights:
         width = np.abs(self.extent[1] - self.extent[0]) / (len(self.low) - 1)
         return 1.0 + np.array([*(np.abs(np.diff(limit)).max() / width for limit in (self.low, self.high)), 0.0, 0.0])
 
+    @cached_property
+    def _steps(self) -> tuple[Array, Array]:
+        """Steps (C - 1,) of w at form point and tip from station to station, mm."""
+        return np.diff(self.low), np.diff(self.high)
+
     def _outside(self, a: Array, w: Array, low: Array, high: Array) -> Array:
         toe, heel = self.extent
         sense = np.sign(heel - toe)
@@ -99,9 +104,10 @@ class FlankHeights:
         toe, heel = self.extent
         last = len(self.low) - 1
         column = (a - toe) * (last / (heel - toe))
-        k = np.nan_to_num(np.clip(column, 0, last - 1)).astype(np.intp)
+        # NaN counts as 0
+        k = np.fmin(np.fmax(column, 0.0), last - 1.0).astype(np.intp)
         share = column - k
-        low, high = (limit[k] + share * np.diff(limit)[k] for limit in (self.low, self.high))
+        low, high = (limit[k] + share * step[k] for limit, step in zip((self.low, self.high), self._steps, strict=True))
         return a, w, column, low, high
 
     def _row(self, w: Array, column: Array, low: Array, high: Array) -> Array:
