@@ -484,7 +484,7 @@ def _near(beyond: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     Contact is possible only at or beside such nodes. `beyond` (4, N, I J): distances outside the limits, mm.
     """
     inside = _wider((beyond <= SLACK_MM).reshape(-1, *shape))
-    near: NDArray[np.bool_] = inside.reshape(len(beyond), -1, *shape).all(axis=0)
+    near: NDArray[np.bool_] = np.logical_and.reduce(inside.reshape(len(beyond), -1, *shape))
     return near
 
 
