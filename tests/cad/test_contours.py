@@ -177,3 +177,18 @@ def test_refusals(arguments: str, words: str, tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     assert refused("solid", SAMPLES / "helical.toml", "--member", "pinion", *arguments.split(" ")).startswith(words)
     assert not list(tmp_path.iterdir())
+
+
+def test_holes_become_polylines_within_the_tolerance() -> None:
+    """A whole circle ended in a ValueError: its first chord had no length. Reference: the area of the polygon in a circle."""
+    cut = gm.build(gm.load(SAMPLES / "cycloidal.toml")).section("disc", tolerance=2e-3, curves="polyline")
+    assert cut.measured.max_deviation <= 2.0
+    holes = [loop for loop in cut.loops if not loop.material and len(loop.curves) < 300]
+    assert len(holes) == 7
+    for hole in holes:
+        points = np.array([line.start for line in hole.curves])
+        radius = np.linalg.norm(points - points.mean(axis=0), axis=1).mean()
+        turn = 2.0 * np.pi / len(points)
+        # the sagitta of a chord is what a polygon misses
+        assert radius * (1.0 - np.cos(0.5 * turn)) < 2e-3
+        assert abs(hole.area) == pytest.approx(0.5 * len(points) * radius**2 * np.sin(turn), rel=1e-3)

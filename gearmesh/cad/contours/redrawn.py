@@ -102,9 +102,12 @@ def _headings(curve: Smooth, s: Array) -> Array:
 
 def _chords(curve: Smooth, y: Array) -> tuple[Callable[[], tuple[PlaneCurve, ...]], Array]:
     points = curve.at(y)
-    along = np.diff(points, axis=0)
-    along /= np.linalg.norm(along, axis=-1, keepdims=True)
-    miss = np.abs(plane_cross(along[:, None], _points(curve, _between(y)) - points[:-1, None]))
+    along, away = np.diff(points, axis=0), _points(curve, _between(y)) - points[:-1, None]
+    length = np.linalg.norm(along, axis=-1)
+    # a whole circle begins as a chord without length
+    closed = length == 0.0
+    along /= np.where(closed, 1.0, length)[:, None]
+    miss = np.where(closed[:, None], np.linalg.norm(away, axis=-1), np.abs(plane_cross(along[:, None], away)))
     return lambda: lines_through(points), miss
 
 
