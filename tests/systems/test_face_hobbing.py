@@ -472,6 +472,7 @@ def test_length_crowning_is_the_gap_of_the_traces_at_toe_and_heel(pair: str) -> 
         ({"pinion.concave.tilt": 2.0}, "pinion.concave.tilt"),
         ({"gear.cutter.modified_roll_c2": 0.02}, "gear.cutter.modified_roll_c2"),
         ({"gear.cutter.point_width": 2.0}, "gear.cutter.point_width"),
+        ({"gear.cutter.point_width": 0.0}, "gear.cutter.point_width"),
         ({"pinion.root_angle": 18.0}, "pinion.root_angle"),
         ({"contact.ease_off.twist": 0.01}, "contact.ease_off.twist"),
         ({"contact.ease_off.length_crowning": -0.01}, "contact.ease_off.length_crowning"),

@@ -753,8 +753,8 @@ class FaceMilledDesign(ProportionedDesign, HandedDesign):
                 unset = value == type(table).model_fields[key].default or (
                     isinstance(value, float) and math.isnan(value)
                 )
-                # tilt, swivel and sliding base of 0 are derived values
-                if value and not unset:
+                # settings of 0 are derived values, but no blades are 0 apart
+                if not unset and (value or key == "point_width"):
                     why = f"{own} derives it from head, blank and contact; leave it out"
                     if key in ROLLING_KEYS[1:]:
                         why = f"{own} has a constant ratio of roll; leave it out"
