@@ -222,7 +222,7 @@ class _Optimisation:
         for _ in range(MAX_MOVES):
             neighbours = self._neighbours(best)
             around = [each for _, *both in neighbours for each in both]
-            better = self._chosen([best, *around]) if len(target.objectives) == 1 else best
+            better = self._better(best, around)
             if better is best:
                 break
             best = better
@@ -288,6 +288,18 @@ class _Optimisation:
         best = best_of(designs, self.target)
         assert best is not None
         return best
+
+    def _better(self, best: Evaluated, around: list[Evaluated]) -> Evaluated:
+        """Return the best design or a better one around it; of several objectives one that is better in some and worse in none."""
+        front = front_of([best, *around], self.target)
+        if len(self.target.objectives) == 1:
+            return self._chosen([best, *around])
+        if not front or any(each is best for each in front):
+            return best
+        own = best.objectives * self.target.signs
+        return self._chosen(
+            [each for each in front if not best.feasible or (each.objectives * self.target.signs <= own).all()]
+        )
 
     def _neighbours(self, best: Evaluated) -> tuple[tuple[Variable, Evaluated, Evaluated], ...]:
         """Return the designs on both sides of the best one along each range, at its end at most."""

@@ -24,7 +24,7 @@ from gearmesh.figures import Content, Figures, figure
 from gearmesh.files import csv_table
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.optimize.error_rows import ErrorRows
-from gearmesh.optimize.evaluations import Evaluated, front_of
+from gearmesh.optimize.evaluations import Evaluated, best_of, front_of
 from gearmesh.optimize.objectives import Measure, Target, unit_of
 from gearmesh.optimize.variables import Variable
 from gearmesh.records import dataclass
@@ -243,7 +243,7 @@ class Optimum(Result):
 
     @property
     def complaints(self) -> list[str]:
-        """Warnings, one line each: limits that no design keeps, keys at the ends of their ranges."""
+        """Warnings, one line each: limits that no design keeps, better neighbours, keys at the ends of their ranges."""
         lines = []
         if not self.feasible:
             broken = [
@@ -254,8 +254,17 @@ class Optimum(Result):
                 if room <= 0.0
             ]
             lines.append(f"no design keeps all limits; the nearest one misses {', '.join(broken)}")
+        if self._is_surpassed:
+            lines.append("a design beside the best one is better: the search needs a larger budget")
         lines += [f"{key} = {self.values[key]:g} is at the end of its range" for key in self._at_ends]
         return lines
+
+    @property
+    def _is_surpassed(self) -> bool:
+        """True if a design that was evaluated for the sensitivities is better than the best one, in all objectives."""
+        if self._front:
+            return all(each is not self._best for each in self._front)
+        return best_of(self._evaluated, self._target) is not self._best
 
     @property
     def headline(self) -> str:

@@ -161,6 +161,15 @@ def test_fronts_are_those_of_the_closed_form(gears: gm.Gears, monkeypatch: pytes
     assert list(two.summary.best.objectives.values()) == pytest.approx([0.5, 0.5], abs=0.1)
     assert len(two.front) == len(front)
     assert two.front[0].pinion.modifications.profile_crowning == two.summary.front[0].values[CROWNING]
+    # where a small search ends beside the front, a design that is evaluated for sensitivities may be better in both
+    surpassed = []
+    for seed in range(6):
+        few = optimum(gears, vary, [FIGURE, OTHER], budget=12, seed=seed)
+        best, every = few.summary.best.objectives, few.to_dict()
+        better = np.all([np.array(every[name]) < best[name] for name in (FIGURE, OTHER)], axis=0)
+        assert better.any() == any("needs a larger budget" in line for line in few.complaints)
+        surpassed.append(better.any())
+    assert sum(surpassed) <= 2
     replace_work(monkeypatch, lambda **keys: distances(**keys))
     three = optimum(gears, vary, [FIGURE, OTHER, THIRD], budget=150)
     for k, each in enumerate(np.array([list(each.objectives.values()) for each in three.summary.front]).min(axis=0)):
