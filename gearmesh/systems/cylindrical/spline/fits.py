@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING
 from gearmesh.records import dataclass
 from gearmesh.systems.cylindrical.geometry.allowances import allowances_of
 from gearmesh.systems.cylindrical.spline.build import effective_variation
-from gearmesh.systems.cylindrical.spline.design import HUB_NAME, MEMBER_NAMES
+from gearmesh.systems.cylindrical.spline.design import HUB_NAME, MEMBER_NAMES, SplineDesign
 
 if TYPE_CHECKING:
     from gearmesh.systems.cylindrical.geometry.proportions import GearProportions, GearsProportions
-    from gearmesh.systems.cylindrical.spline.build import effective_variation
-from gearmesh.systems.cylindrical.spline.design import SplineDesign
 
 
 @dataclass(frozen=True)
