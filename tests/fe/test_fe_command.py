@@ -178,6 +178,23 @@ def test_unresolved_pressures_are_said_in_their_line(monkeypatch: pytest.MonkeyP
         assert (f"pressure by Hertz {by_hertz:.5g} MPa" in solved.headline) is bool(words)
 
 
+def test_a_pair_that_its_load_turns_back_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coarse lobes of cycloidal drives bear on facets beside the pins: their drive turned back by 800 arcsec."""
+    built = model_of(load(CROSSED, COARSE[1::2]))
+    solution, _ = pretended(built)
+    sense, reported = np.sign(built._built.at.arm), []
+    for turn in (1e-3, -1e-3):
+        held = replace(solution.references["pinion_held"], rotation=np.array([0.0, 0.0, sense * turn]))
+        found = replace(solution, references={"pinion_held": held})
+        monkeypatch.setattr("gearmesh.fe.ccx.solve", lambda *_, found=found, **__: found)
+        solved = built.solve()
+        reported.append(sorted({*solved.warnings} - {*built.warnings}))
+    back = -solved.measured.contact.rotation
+    assert reported[0] == []
+    assert back == pytest.approx(3600.0 * np.degrees(1e-3), abs=2.0)
+    assert reported[1][0].startswith(f"the load turns the pinion back by {back:.3g} arcsec")
+
+
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
 def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"pair{suffix}"

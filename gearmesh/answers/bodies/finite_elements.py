@@ -191,6 +191,18 @@ class FiniteElementSolution(Result):
         return f"{self.problem.headline}; {largest}"
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the model and of its solution, one line each."""
+        contact = self.measured.contact
+        if contact is None or contact.rotation >= 0.0:
+            return self.problem.warnings
+        return (
+            *self.problem.warnings,
+            f"the load turns the pinion back by {-contact.rotation:.3g} arcsec: facets of the model touch where the exact surfaces "
+            "do not; more lines (fe.flank, fe.fillet) keep them apart",
+        )
+
+    @property
     def reserve(self) -> str:
         """Reason why the largest pressure is unreliable; empty if it is reliable."""
         if self.measured.contact is None or self.measured.contact.pressure_resolved:

@@ -162,11 +162,12 @@ def fe(
                 model = model_of(gears)
             if output is not None and not (solve and output.suffix.lower() in ("", *SOLUTION_SUFFIXES)):
                 model.save(output, program=chosen)
+            warnings = model.warnings
             if solve:
                 answer = _solve(gears, model, output, keep, picture, progress)
+                warnings = answer.warnings
             else:
                 answer = model if frequencies is None else model.with_frequencies(frequencies, progress, keep=keep)
-            warnings = model.warnings
     write_text(json_file, lambda: answer.json(timing=timing))
     if json_file != "-":
         show(answer.listings)
