@@ -125,9 +125,10 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     here = nearest(name, table.model_fields) or next(begins, None)
     if here is not None:
         return f"did you mean {'.'.join([*path, here])}?"
-    # keys near the top of the file first; a key in a table needs a greater likeness to a key of another table
+    # keys near the top of the file first; a key in a table needs a greater likeness to a key of another table, and tables of a
+    # member have little to do with each other
     likeness = MIN_LIKENESS_ELSEWHERE if path else MIN_LIKENESS
-    for deepest in (1, max(dotted.count(".") for dotted in everywhere.values())):
+    for deepest in (1, max(dotted.count(".") for dotted in everywhere.values()))[: 1 if len(path) > 1 else 2]:
         some = [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest]
         elsewhere = nearest(name, some, likeness)
         if elsewhere is not None:

@@ -285,6 +285,11 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ),
     ("strange key", set_in(BEVELOID, "gear.qqqq", 3), "gear.qqqq: unknown key; known here: teeth, bore, tip_chamfer"),
     (
+        "key of another table of a member",
+        set_in(BEVELOID, "gear.web.width", 3),
+        "gear.web.width: unknown key; known here: thickness, rim_diameter, hub_diameter",
+    ),
+    (
         "beginning of a key",
         set_in(BEVELOID, "gear.material.young", 3),
         "gear.material.young: unknown key; did you mean gear.material.youngs_modulus?",
