@@ -345,6 +345,14 @@ REFUSED = [
         r"pinion\.concave\.toprem_height = 1 mm: needs either toprem_angle",
     ),
     (
+        {"gear": {"teeth": 38, "cutter": {"toprem_height": 9.0}}},
+        r"gear\.cutter\.toprem_height = 9 mm: needs either toprem_angle",
+    ),
+    (
+        {"gear": {"teeth": 38, "cutter": {"toprem_height": 9.0, "toprem_angle": 5.0}}},
+        r"gear\.cutter\.toprem_height = 9 mm: allowed is less than half the depth, ",
+    ),
+    (
         {"gear": {"teeth": 38, "cutter": {"inside": {"toprem_height": 1.0, "toprem_angle": 25.0}}}},
         r"gear\.cutter\.inside\.toprem_angle = 25 deg: allowed is less than the blade's, 20 deg",
     ),

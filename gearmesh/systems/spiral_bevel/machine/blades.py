@@ -67,16 +67,16 @@ def _toprem(name: str, blade: Blade, keys: dict[str, float | None], blank: Bevel
     """Return toprem and edge radius of a blade. Raises DesignError if they do not fit each other."""
     high, arc = or_else(keys["toprem_height"], 0.0), or_else(keys["toprem_radius"], 0.0)
     straight, most = keys["toprem_angle"], 0.5 * blank.mean_depth
-    if not high < most:
-        raise DesignError(
-            f"{name}.toprem_height", high, unit="mm", allowed=Allowed.less_than(most, "mm", "half the depth")
-        )
     if (straight is None) == (arc == 0.0):
         raise DesignError(
             f"{name}.toprem_height",
             high,
             unit="mm",
             reason="needs either toprem_angle (straight) or toprem_radius (an arc)",
+        )
+    if not high < most:
+        raise DesignError(
+            f"{name}.toprem_height", high, unit="mm", allowed=Allowed.less_than(most, "mm", "half the depth")
         )
     angle = blade.angle_at(high)
     if straight is not None and not np.radians(straight) < angle:
