@@ -56,7 +56,7 @@ def read_pitch(path: Path, teeth: int) -> MeasuredPitch:
             )
         tooth, *um = (cell_number(path, number, name, cell) for name, cell in zip(head, row, strict=True))
         if tooth not in range(teeth):
-            raise refused_cell(path, number, TOOTH_COLUMN, row[0], f"a tooth from 0 to {teeth - 1}")
+            raise refused_cell(path, number, TOOTH_COLUMN, row[0], f"a tooth from 0 to {teeth - 1}, 0 is on x")
         if np.abs(um).max() > MAX_DEVIATION_UM:
             raise FileError(
                 path, reason=f"line {number}: {max(um, key=abs):g} um, at most {MAX_DEVIATION_UM:g} in size"

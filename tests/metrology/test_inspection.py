@@ -142,7 +142,7 @@ def test_files_are_evaluated(tmp_path: Path) -> None:
     )
     for text, message in (
         ("tooth,right\n0,1\n", "line 1: allowed is tooth, and right_um, left_um and runout_um"),
-        ("tooth,right_um\n24,1\n", 'line 2: tooth = "24": must be a tooth from 0 to 23'),
+        ("tooth,right_um\n24,1\n", 'line 2: tooth = "24": must be a tooth from 0 to 23, 0 is on x'),
         ("tooth,right_um\n0,1\n", "has no tooth 1; the gear has 24, counted from 0"),
     ):
         pitch.write_text(text)
