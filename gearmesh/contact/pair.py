@@ -156,6 +156,11 @@ class Pair:
         """True if both members turn alike about axes that coincide but for assembly errors: all tooth pairs mesh at once."""
         return self.nested and abs(self.ratio - 1.0) < COUPLED_RATIO_ROUNDING
 
+    @property
+    def led_all_round(self) -> bool:
+        """True if any tooth pair may be the first to touch: of coupled members, and of pairs that an eccentric drives."""
+        return self.coupled or self.arm_turns
+
     @cached_property
     def length(self) -> float:
         """Typical flank dimension (mm), which turns conditions on normals into lengths."""

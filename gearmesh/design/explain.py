@@ -128,7 +128,8 @@ def _suggestion(name: str, path: list[Any], table: type[Table], design: type[Tab
     # keys near the top of the file first; a key in a table needs a greater likeness to a key of another table, and tables of a
     # member have little to do with each other
     likeness = MIN_LIKENESS_ELSEWHERE if path else MIN_LIKENESS
-    for deepest in (1, max(dotted.count(".") for dotted in everywhere.values()))[: 1 if len(path) > 1 else 2]:
+    depths = [1] if len(path) > 1 else [1, max(dotted.count(".") for dotted in everywhere.values())]
+    for deepest in depths:
         some = [leaf for leaf, dotted in everywhere.items() if dotted.count(".") <= deepest]
         elsewhere = nearest(name, some, likeness)
         if elsewhere is not None:

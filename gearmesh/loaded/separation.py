@@ -373,8 +373,7 @@ class _Followed:
         self.pair, self._gears = solver_pair(gears), gears
         self._phi1, self._pitch = phi1, gears.pitch
         self._first = np.round(phi1 / gears.pitch).astype(np.intp)
-        # any tooth pair of coupled members may be the first to touch
-        searched = int(np.ceil(np.pi / gears.pitch)) if self.pair.coupled or self.pair.arm_turns else SEARCHED_PAIRS
+        searched = int(np.ceil(np.pi / gears.pitch)) if self.pair.led_all_round else SEARCHED_PAIRS
         self._numbers = np.arange(-searched, searched + 1)
         self._advances, self._levers, self._path = self._solve(self._numbers)
         # rows of the path, one for each position and number

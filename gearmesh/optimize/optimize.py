@@ -291,9 +291,9 @@ class _Optimisation:
 
     def _better(self, best: Evaluated, around: list[Evaluated]) -> Evaluated:
         """Return the best design or a better one around it; of several objectives one that is better in some and worse in none."""
-        front = front_of([best, *around], self.target)
         if len(self.target.objectives) == 1:
             return self._chosen([best, *around])
+        front = front_of([best, *around], self.target)
         if not front or any(each is best for each in front):
             return best
         own = best.objectives * self.target.signs

@@ -17,9 +17,8 @@ INVERSION_ROUNDS = 2
 
 
 def pitches_around(pair: GearPair) -> int:
-    """Return the pitches each way within which a tooth pair leads: half a turn of pairs whose teeth mesh all round, else one."""
-    all_round = pair.arm_turns or solver_pair(pair).coupled
-    return (pair.pinion.tooth.teeth + 1) // 2 if all_round else 1
+    """Return the pitches each way within which a tooth pair leads: half a turn of pairs that are led all round, else one."""
+    return (pair.pinion.tooth.teeth + 1) // 2 if solver_pair(pair).led_all_round else 1
 
 
 def leading_turns(pair: GearPair, phi1: Array, around: int | None = None) -> tuple[Array, Array]:

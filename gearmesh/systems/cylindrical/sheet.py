@@ -538,19 +538,19 @@ def _at_allowance(pair: SheetGears, k: int, end: str) -> Toothing:
 
 def _run_out_rows(pair: SheetGears) -> list[Row]:
     """Return the rows of teeth that go on beyond the face width, where any do, and of the tool that leaves them there."""
-    lengths = [
+    beyond = (
         float(np.ptp(member.tooth.blank.faces)) - spec.face_width
         for member, spec in zip(pair.members, pair.specs, strict=True)
-    ]
-    if max(lengths) <= LEAST_RUN_OUT_MM:
+    )
+    lengths = [length if length > LEAST_RUN_OUT_MM else None for length in beyond]
+    if not any(lengths):
         return []
     words = "run-outs of the teeth beyond the face width, of both ends"
     radii = [
-        tool_radius(gear) if length > LEAST_RUN_OUT_MM else None
-        for gear, length in zip(pair.geometry.gears, lengths, strict=True)
+        None if length is None else tool_radius(gear) for gear, length in zip(pair.geometry.gears, lengths, strict=True)
     ]
     return [
-        ("l_o", words, "mm", pair.of_all(lambda k: lengths[k] if lengths[k] > LEAST_RUN_OUT_MM else None)),
+        ("l_o", words, "mm", pair.of_all(lambda k: lengths[k])),
         ("r_o", "radius of the tool that leaves run-outs", "mm", pair.of_all(lambda k: radii[k])),
     ]
 
