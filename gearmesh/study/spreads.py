@@ -25,6 +25,8 @@ DISTRIBUTION_PARAMETERS = {
     "triangular": ("low", "mode", "high"),
     "truncated": ("mean", "sigma", "low", "high"),
 }
+#: characters of a wrong text that its refusal repeats, so that the line stays short
+LONGEST_SHOWN_TEXT = 60
 #: distribution of whole numbers from low to high - 1; only seeds and classes have it, no text names it
 WHOLE_NUMBERS = "whole"
 
@@ -79,7 +81,9 @@ def spread_of(key: str, words: list[Any], read: Reader) -> Spread:
     names = DISTRIBUTION_PARAMETERS.get(name) if isinstance(name, str) else None
     if names is None or len(values) != len(names):
         forms = ", ".join(":".join((form, *parts)) for form, parts in DISTRIBUTION_PARAMETERS.items())
-        raise ArgumentError("tolerance", ":".join(map(str, words)), entry=key, must_be=f"one of {forms}")
+        text = ":".join(map(str, words))
+        shown = text if len(text) <= LONGEST_SHOWN_TEXT else text[:LONGEST_SHOWN_TEXT] + "..."
+        raise ArgumentError("tolerance", text, shown=shown, entry=key, must_be=f"one of {forms}")
     parameters = dict(zip(names, (read(key, value) for value in values), strict=True))
     _refuse_disorder(key, name, parameters)
     return Spread(name, tuple(parameters.values()))
@@ -99,27 +103,39 @@ def _refuse_disorder(key: str, name: str, parameters: Mapping[str, float]) -> No
 
 
 def read_spreads(path: str, read: Reader) -> dict[str, Spread]:
-    """Return the spreads of a TOML file with lines as key = { distribution = "normal", mean = 0, sigma = "20um" }.
+    """Return the spreads of a TOML file with lines as key = { distribution = "normal", mean = 0, sigma = "20um" }
+    or key = "normal:0:20um".
 
-    The default of `mean` is 0. Raises ArgumentError naming file or key, and what is allowed.
+    The default of `mean` is 0 in tables. Raises ArgumentError naming file or key, and what is allowed.
     """
     try:
         tables = read_toml(path, MAX_FILE_BYTES, "file of tolerances")
     except DesignError as failure:
         raise ArgumentError("tolerance", entry=failure.key, reason=failure.reason) from None
-    return {key: _of_table(key, table, read) for key, table in _tables(tables, "")}
+    return {
+        key: spread_of(key, list(entry.split(":")), read) if isinstance(entry, str) else _of_table(key, entry, read)
+        for key, entry in _entries(tables, "")
+    }
 
 
-def _tables(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[str, Any]]]:
-    tables: list[tuple[str, Mapping[str, Any]]] = []
+def _entries(table: Mapping[str, Any], prefix: str) -> list[tuple[str, Mapping[str, Any] | str]]:
+    """Return the keys of a file with their distributions, each a table or a text."""
+    entries: list[tuple[str, Mapping[str, Any] | str]] = []
     for name, below in table.items():
-        if not isinstance(below, Mapping):
+        if isinstance(below, str) or (isinstance(below, Mapping) and "distribution" in below):
+            entries.append((prefix + name, below))
+        elif isinstance(below, Mapping):
+            entries += _entries(below, f"{prefix}{name}.")
+        else:
             shown = shown_key([*prefix.split(".")[:-1], name])
             raise ArgumentError(
-                "tolerance", below, shown=value_text(below), entry=shown, must_be="a table with a distribution"
+                "tolerance",
+                below,
+                shown=value_text(below),
+                entry=shown,
+                must_be='a distribution, as "normal:0:20um" or { distribution = "normal", mean = 0, sigma = "20um" }',
             )
-        tables += [(prefix + name, below)] if "distribution" in below else _tables(below, f"{prefix}{name}.")
-    return tables
+    return entries
 
 
 def _of_table(key: str, table: Mapping[str, Any], read: Reader) -> Spread:

@@ -243,6 +243,8 @@ def test_small_numbers_that_sweeps_leave_are_numbers() -> None:
         (f'assembly.dx = {{ distribution = "normal", {"x" * 9999} = 3 }}', "tolerance assembly.dx: sigma: missing"),
         (f'assembly.dx = {{ distribution = "normal", sigma = 1, {"x" * 9999} = 3 }}', 'tolerance assembly.dx: "xxx'),
         ('assembly.dx = { distribution = [1] }', "tolerance assembly.dx: distribution = [1]: must be one of"),
+        (f'assembly.dx = "{"x" * 9999}"', 'tolerance assembly.dx = '),
+        ('assembly.dx = "normal:0"', 'tolerance assembly.dx = normal:0: must be one of normal:mean:sigma'),
     ],
 )  # fmt: skip
 def test_files_of_tolerances_are_refused_in_short_lines(text: str, said: str, tmp_path: Path) -> None:

@@ -77,10 +77,12 @@ def test_tolerances_come_from_a_file(tmp_path: Path) -> None:
     file = tmp_path / "t.toml"
     file.write_text(
         'assembly.dV = { distribution = "normal", sigma = "20um" }\n'
+        'assembly.dG = "triangular:-0.1:0:0.2"\n'
         '[assembly.dA]\ndistribution = "uniform"\nlow = -0.1\nhigh = "100um"\n'
     )
     assert read_spreads(str(file), READ.number) == {
         "assembly.dV": Spread("normal", (0.0, 0.02)),
+        "assembly.dG": Spread("triangular", (-0.1, 0.0, 0.2)),
         "assembly.dA": Spread("uniform", (-0.1, 0.1)),
     }
 
