@@ -113,7 +113,7 @@ RESULTS = {
     "LoadedMesh",
     "whole_cycle",
     "inside",
-    "contact_flank",
+    "solver_flank",
 }
 #: packages that are mathematics: numpy and scipy only
 MATHEMATICS = ("kernel", "tools", "teeth", "contact", "metrology", "check")

@@ -72,6 +72,11 @@ def _parts(member: Member, side: Side) -> ToothParts:
     return ToothParts(flank.remount(mount), fillet.remount(mount), None if tip is None else tip.remount(mount))
 
 
+def solver_flank(member: Member, side: Side) -> Flank:
+    """Return the mounted flank of one side of a member as `solver_pair` has it."""
+    return _parts(member, side).flank
+
+
 def solver_pair(pair: GearPair) -> Pair:
     """Return the mounted flanks, fillets and tip edges of a gear pair for the solver."""
     pinion, gear = (_parts(member, side) for member, side in zip(pair.both, pair.flanks, strict=True))

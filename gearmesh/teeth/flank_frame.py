@@ -23,7 +23,9 @@ from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.kept_by_tooth import KeptByTooth
 from gearmesh.teeth.region import HEEL_END, TOE_END, Side
+from gearmesh.teeth.tooth import Tooth
 
 #: points of the outline along each edge
 EDGE_POINTS = 41
@@ -51,11 +53,15 @@ class FlankFrame:
 
     @staticmethod
     def of(member: Member, side: Side) -> FlankFrame:
-        """Return the frame of a member's flank; it counts from the middle to heel and tip.
+        """Return the frame of a member's flank; it counts from the middle to heel and tip. Frames of the last flanks are
+        kept.
 
         `side`: the flank. Raises NoSolutionError where the flank cannot be trimmed.
         """
-        tooth = member.tooth
+        return _KEPT_FRAMES.get(member.tooth, side, lambda: FlankFrame._of_tooth(member.tooth, side))
+
+    @staticmethod
+    def _of_tooth(tooth: Tooth, side: Side) -> FlankFrame:
         levels = (tooth.blank.axial, tooth.blank.across)
         steps, ends, thirds = np.linspace(0.0, 1.0, EDGE_POINTS), [0.0, 1.0], [0.0, 0.5, 1.0]
         way = slice(None, None, 1 if end_names(tooth.blank.axial) == (TOE_END, HEEL_END) else -1)
@@ -128,6 +134,10 @@ class FlankFrame:
         """
         parts = [dot(level.gradient(points), vectors) for level in self.levels]
         return np.asarray(self.signs * np.stack(parts, axis=-1))
+
+
+#: frames of the last flanks
+_KEPT_FRAMES = KeptByTooth[FlankFrame]()
 
 
 def _along(edge: Array, at: Array) -> Array:

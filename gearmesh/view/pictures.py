@@ -24,6 +24,7 @@ from gearmesh.records import dataclass
 from gearmesh.teeth.blank.body import end_names
 from gearmesh.teeth.blank.features import BodyFeatures
 from gearmesh.teeth.gear_train import GearPair, Member
+from gearmesh.teeth.kept_by_tooth import KeptByTooth
 from gearmesh.teeth.region import Side
 from gearmesh.view.on_tooth import closest_gap, union_level
 from gearmesh.view.picture import COMPOUND_LOOK, PLAIN_LOOK
@@ -491,6 +492,11 @@ def _fine_and_rest(body: Member, solid: Solid | None, pixel: float) -> tuple[Tri
     return teeth_mesh(fine, body.name, np.array([0])), rest
 
 
+#: points of the last flanks, on which patterns are drawn
+_KEPT_GRIDS = KeptByTooth[Array]()
+
+
 def _pattern_grid(gears: GearPair, name: str) -> Array:
-    s, t = (np.linspace(0.0, 1.0, n) for n in PATTERN_GRID)
-    return gears.members[name].tooth.flank_grid(_side(gears, name), s, t).points
+    tooth, side = gears.members[name].tooth, _side(gears, name)
+    places = [np.linspace(0.0, 1.0, n) for n in PATTERN_GRID]
+    return _KEPT_GRIDS.get(tooth, side, lambda: tooth.flank_grid(side, *places).points)

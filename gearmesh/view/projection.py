@@ -7,20 +7,21 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.contact.flanks import contact_flank
+from gearmesh.contact.flanks import solver_flank
 from gearmesh.kernel.numeric.algebra import Array, dot
 from gearmesh.kernel.surface.nearest import nearest
 from gearmesh.kernel.surface.surface import Surface
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import Member
+from gearmesh.teeth.kept_by_tooth import KeptByTooth
 from gearmesh.teeth.region import Side
 
 #: start points of projections across and along a flank
 START_GRID = (31, 61)
 #: distance beyond an edge at which a point is still on the flank
 EDGE_TOLERANCE_MM = 1e-6
-#: points whose distances from all start points are in memory together
-MAX_POINTS_AT_ONCE = 2048
+#: points whose distances from all start points are in memory together: these 0.5 MB stay in the processor's cache
+MAX_POINTS_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
@@ -63,12 +64,20 @@ class FlankFeet:
         return places, beyond
 
 
+#: projections of the last flanks
+_KEPT_FEET = KeptByTooth[FlankFeet]()
+
+
 def flank_projection(member: Member, side: Side) -> FlankFeet:
-    """Return the projection onto the trimmed flank of one side of a member's tooth."""
-    s, t = (np.linspace(0.0, 1.0, n) for n in START_GRID)
-    grid = member.tooth.flank_grid(side, s, t)
-    flank = contact_flank(member, side)
-    return FlankFeet(flank.surface, flank.margin, grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2))
+    """Return the projection onto the trimmed flank of one side of a member's tooth; those of the last flanks are kept."""
+    tooth = member.one_tooth
+
+    def made() -> FlankFeet:
+        s, t = (np.linspace(0.0, 1.0, n) for n in START_GRID)
+        grid, flank = tooth.flank_grid(side, s, t), solver_flank(member, side)
+        return FlankFeet(flank.surface, flank.margin, grid.points.reshape(-1, 3), grid.parameters.reshape(-1, 2))
+
+    return _KEPT_FEET.get(tooth, side, made)
 
 
 def _nearest_start(q: Array, starts: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -76,10 +85,14 @@ def _nearest_start(q: Array, starts: Array) -> tuple[Array, NDArray[np.int64]]:
     load.
     """
     middle = starts.mean(axis=0)
-    centred, centred_starts = q - middle, starts - middle
-    square = dot(centred_starts, centred_starts)
+    centred = starts - middle
+    # the square of the distance, less that of the point from the middle, is one product of four numbers each
+    points = np.concatenate((q - middle, np.ones((len(q), 1))), axis=1)
+    factors = np.concatenate((-2.0 * centred.T, dot(centred, centred)[None]))
     number = np.empty(len(q), dtype=np.int64)
+    squares = np.empty((MAX_POINTS_AT_ONCE, len(starts)))
     for first in range(0, len(q), MAX_POINTS_AT_ONCE):
-        part = slice(first, first + MAX_POINTS_AT_ONCE)
-        number[part] = (square - 2.0 * centred[part] @ centred_starts.T).argmin(axis=1)
+        part = points[first : first + MAX_POINTS_AT_ONCE]
+        np.matmul(part, factors, out=squares[: len(part)])
+        squares[: len(part)].argmin(axis=1, out=number[first : first + len(part)])
     return np.linalg.norm(q - starts[number], axis=-1), number
