@@ -146,8 +146,12 @@ class Evaluations:
 def best_of(designs: Iterable[Evaluated], target: Target) -> Evaluated | None:
     """Return the best of some designs by the first objective; None if all have failed."""
     known = [each for each in designs if not each.reason]
-    sense = target.objectives[0].sense
-    return min(known, key=lambda each: (each.violation, -sense * float(each.objectives[0])), default=None)
+    if not known:
+        return None
+    # of designs that differ by rounding the first one counts
+    objective = target.comparable(np.array([each.objectives for each in known]))[:, 0]
+    order = np.lexsort((objective, np.array([each.violation for each in known])))
+    return known[int(order[0])]
 
 
 def front_of(designs: Iterable[Evaluated], target: Target) -> list[Evaluated]:
@@ -158,7 +162,7 @@ def front_of(designs: Iterable[Evaluated], target: Target) -> list[Evaluated]:
     good = [each for each in designs if each.feasible]
     if not good or len(target.objectives) == 1:
         return []
-    table = np.array([each.objectives for each in good]) * target.signs
+    table = target.comparable(np.array([each.objectives for each in good]))
     better = (table[:, None] <= table).all(axis=2) & (table[:, None] < table).any(axis=2)
     # of equal designs the first one stays
     equal = (table[:, None] == table).all(axis=2) & (np.arange(len(good))[:, None] < np.arange(len(good)))

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from gearmesh.errors import ArgumentError, nearest
-from gearmesh.figures import KEY_ENDINGS
+from gearmesh.figures import KEY_ENDINGS, ZERO_SIZES, at_resolution
 from gearmesh.kernel.numeric.algebra import Array
 from gearmesh.numerals import parse_number, parse_numbers
 from gearmesh.records import dataclass
@@ -27,6 +27,8 @@ Key = TypeVar("Key", str, tuple[str, str])
 
 #: prefixes of keys that a name may leave out
 OPTIONAL_PREFIXES = ("mesh_", "loaded_")
+#: significant digits in which designs are compared; further ones are rounding
+COMPARED_DIGITS = 9
 #: text of the measure that takes the worst row
 WORST_TEXT = "worst"
 
@@ -94,6 +96,19 @@ class Objective:
     #: True for the mean over the torques, False for the worst
     mean: bool
 
+    @property
+    def resolution(self) -> float:
+        """Least size of the figure, in its unit; anything smaller is 0."""
+        return _resolution(self.names[0])
+
+    def comparable(self, values: Array) -> Array:
+        """Return values (N,) that are smaller where the design is better, without the digits that are rounding."""
+        sizes = np.where(np.abs(values) < self.resolution, 0.0, np.abs(values))
+        known = np.isfinite(sizes) & (sizes > 0.0)
+        scale = 10.0 ** (np.floor(np.log10(sizes, out=np.zeros_like(sizes), where=known)) + 1.0 - COMPARED_DIGITS)
+        rounded: Array = -self.sense * np.sign(values) * np.where(known, np.round(sizes / scale) * scale, sizes)
+        return rounded
+
     def of(self, columns: Mapping[str, Array], measure: Measure) -> float:
         """Return the value of a design whose rows have these columns (R,)."""
         table = np.stack([columns[name] for name in self.names])
@@ -112,6 +127,11 @@ class Constraint:
     def sense(self) -> int:
         """-1 for a figure that must be below its limit, +1 for one above."""
         return self.limits[0].sense
+
+    @property
+    def resolution(self) -> float:
+        """Least size of the figure, in its unit; anything smaller is 0."""
+        return _resolution(self.limits[0].figure)
 
     @property
     def value(self) -> float:
@@ -152,6 +172,17 @@ class Target:
     def signs(self) -> Array:
         """Signs (O,) that make objectives small."""
         return np.array([-each.sense for each in self.objectives], dtype=float)
+
+    def comparable(self, table: Array) -> Array:
+        """Return objectives (N, O) that are smaller where the design is better, without the digits that are rounding."""
+        return np.stack(
+            [each.comparable(column) for each, column in zip(self.objectives, table.T, strict=True)], axis=1
+        )
+
+    def shown(self, values: Iterable[float]) -> list[float]:
+        """Return values of the objectives and limits, or of the objectives alone, as a table shows them."""
+        sizes = [*(each.resolution for each in self.objectives), *(each.resolution for each in self.constraints)]
+        return [at_resolution(value, size) for value, size in zip(values, sizes, strict=False)]
 
     @property
     def texts(self) -> list[str]:
@@ -304,6 +335,11 @@ def _without_prefix(name: str) -> str:
 def _stem(key: str) -> str:
     """Return a key without its unit."""
     return key.removesuffix(KEY_ENDINGS[unit_of(key)])
+
+
+def _resolution(key: str) -> float:
+    """Return the least size of a figure, by the unit that its key names."""
+    return ZERO_SIZES.get(unit_of(key), 0.0)
 
 
 def unit_of(key: str) -> str:

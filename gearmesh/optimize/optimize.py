@@ -296,24 +296,24 @@ class _Optimisation:
         front = front_of([best, *around], self.target)
         if not front or any(each is best for each in front):
             return best
-        own = best.objectives * self.target.signs
+        table = self.target.comparable(np.array([best.objectives, *(each.objectives for each in front)]))
+        nowhere_worse = (table[1:] <= table[0]).all(axis=1).tolist()
         return self._chosen(
-            [each for each in front if not best.feasible or (each.objectives * self.target.signs <= own).all()]
+            [each for each, kept in zip(front, nowhere_worse, strict=True) if kept or not best.feasible]
         )
 
     def _neighbours(self, best: Evaluated) -> tuple[tuple[Variable, Evaluated, Evaluated], ...]:
-        """Return the designs on both sides of the best one along each range, at its end at most."""
-        variables = self.task.variables
-        centre = [each.share(value) for each, value in zip(variables, best.values, strict=True)]
-        pairs = []
-        for k, variable in enumerate(variables):
-            own = centre[k]
-            if not variable.discrete and own is not None:
-                for share in (max(own - SENSITIVITY_SHARE, 0.0), min(own + SENSITIVITY_SHARE, 1.0)):
-                    pairs.append((*best.values[:k], variable.at(share), *best.values[k + 1 :]))
-        designs = self.evaluations(pairs)
-        real = [each for each in variables if not each.discrete]
-        return tuple(zip(real, designs[::2], designs[1::2], strict=True))
+        """Return the designs on both sides of the best one along each range or list of numbers, at its end at most."""
+        beside = [
+            (k, each, both)
+            for k, (each, value) in enumerate(zip(self.task.variables, best.values, strict=True))
+            if (both := each.beside(value, SENSITIVITY_SHARE)) is not None
+        ]
+        designs = self.evaluations(
+            [(*best.values[:k], value, *best.values[k + 1 :]) for k, _, both in beside for value in both]
+        )
+        varied = [each for _, each, _ in beside]
+        return tuple(zip(varied, designs[::2], designs[1::2], strict=True))
 
     def _report(self, evaluations: Evaluations) -> None:
         """Report the number of designs and the best one so far."""

@@ -20,7 +20,7 @@ from gearmesh.design.dotted import leaves, with_keys
 from gearmesh.design.files import counted_from, stated_text
 from gearmesh.design.rewriting import rewritten
 from gearmesh.errors import ArgumentError
-from gearmesh.figures import Content, Figures, figure
+from gearmesh.figures import Content, Figures, at_resolution, figure
 from gearmesh.files import csv_table
 from gearmesh.formats import CSV_SUFFIX, JSON_SUFFIX, TOML_SUFFIX
 from gearmesh.optimize.error_rows import ErrorRows
@@ -269,9 +269,12 @@ class Optimum(Result):
     @property
     def headline(self) -> str:
         changes = ", ".join(
-            f"{each.text} {_short(before)} -> {_short(after)}{f' {unit}' if (unit := unit_of(each.names[0])) else ''}"
+            f"{each.text} {before:.4g} -> {after:.4g}{f' {unit}' if (unit := unit_of(each.names[0])) else ''}"
             for each, before, after in zip(
-                self._target.objectives, self._before.objectives.tolist(), self._best.objectives.tolist(), strict=True
+                self._target.objectives,
+                self._target.shown(self._before.objectives.tolist()),
+                self._target.shown(self._best.objectives.tolist()),
+                strict=True,
             )
         )
         return f"{changes}, {len(self._evaluated)} designs"
@@ -313,7 +316,7 @@ class Optimum(Result):
     @property
     def listings(self) -> list[Listing]:
         shown = (self._before, self._best, *(self._confirmed or ()))
-        both = [[*each.objectives.tolist(), *each.limited.tolist()] for each in shown]
+        both = [self._target.shown([*each.objectives.tolist(), *each.limited.tolist()]) for each in shown]
         names = self._target.texts
         keys = [
             [key, before, best]
@@ -329,13 +332,22 @@ class Optimum(Result):
         ]
         if self._front:
             rows = [
-                [k, *each.objectives.tolist(), *each.values]
+                [k, *self._target.shown(each.objectives.tolist()), *each.values]
                 for k, each in enumerate(self._front[:MAX_LISTED_DESIGNS], start=1)
             ]
             heads = ["design", *(each.text for each in self._target.objectives), *self._keys]
             tables.append(Listing(f"Front: {len(self._front)} designs that no other one dominates", heads, rows))
+        target = self._target
+        resolution = {each.text: each.resolution for each in target.objectives}
+        resolution |= {each.text: each.resolution for each in target.constraints}
         changes = [
-            [each.key, each.changed, each.low_value, each.low, each.best, each.high, each.high_value]
+            [
+                each.key,
+                each.changed,
+                each.low_value,
+                *at_resolution([each.low, each.best, each.high], resolution[each.changed]),
+                each.high_value,
+            ]
             for each in self.sensitivities
         ]
         if changes:
@@ -481,7 +493,3 @@ class Optimum(Result):
 def _known(value: float) -> float | None:
     """Return a number, None if it is not known."""
     return float(value) if np.isfinite(value) else None
-
-
-def _short(value: float) -> str:
-    return f"{value:.4g}"

@@ -49,6 +49,19 @@ class Variable:
             return None
         return (value - self.low) / (self.high - self.low)
 
+    def beside(self, value: Value, share: float) -> tuple[Value, Value] | None:
+        """Return the values below and above a value: those of a list of numbers that are next to it, or those a share
+        of the range away; at an end the value itself. None if the value has no such neighbours.
+        """
+        own = self.share(value)
+        if own is None or any(isinstance(each, str | bool) for each in self.values):
+            return None
+        if self.values:
+            order = sorted(self.values)
+            place = order.index(value)
+            return order[max(place - 1, 0)], order[min(place + 1, len(order) - 1)]
+        return self.at(max(own - share, 0.0)), self.at(min(own + share, 1.0))
+
     @property
     def text(self) -> str:
         """Range or list as it is written for `vary`."""

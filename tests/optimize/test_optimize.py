@@ -176,6 +176,23 @@ def test_fronts_are_those_of_the_closed_form(gears: gm.Gears, monkeypatch: pytes
         assert each < 0.1, k
 
 
+def test_rounding_ranks_no_designs(gears: gm.Gears, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A figure that only rounding changes makes no front, and numbers of teeth beside the best design are looked at."""
+
+    def figures(profile_crowning: float, teeth: float) -> tuple[float, ...]:
+        noise = math.sin(1e7 * profile_crowning + teeth)
+        return 1e2 * profile_crowning, 0.8238466 + 1e-13 * noise, 1e-12 * noise + 1e-3 * (23.0 - teeth)
+
+    replace_work(monkeypatch, lambda **keys: figures(*keys.values()))
+    vary = {CROWNING: "0:20um", "pinion.teeth": "21:23"}
+    found = optimum(gears, vary, [FIGURE, OTHER, THIRD], budget=40, method="evolution")
+    assert found.values == {CROWNING: 0.0, "pinion.teeth": 23}
+    assert len(found.front) == 1
+    assert {each.low_value for each in found.sensitivities if each.key == "pinion.teeth"} == {22.0}
+    shown = found.listings[1].rows
+    assert [row[2] for row in shown] == [0.0, pytest.approx(0.8238466), 0.0]
+
+
 def test_errors_count_as_asked(gears: gm.Gears, monkeypatch: pytest.MonkeyPatch) -> None:
     """A narrow deep valley beside a wide flat one: over errors of the varied key the wide one is better."""
 
