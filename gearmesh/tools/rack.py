@@ -46,11 +46,17 @@ class RackLine:
     shift: float = 0.0
 
     def section(self, p: Array) -> tuple[Array, Array, Array, Array]:
+        c, s, below, along_line, normal = self._constants
+        points = components(p * c - self.a + self.shift, p * s - below - self.b)
+        along, normals = np.empty(points.shape), np.empty(points.shape)
+        along[...], normals[...] = along_line, normal
+        return points, along, normals, np.zeros(points.shape)
+
+    @cached_property
+    def _constants(self) -> tuple[float, float, float, Array, Array]:
+        """Cosine and sine of alpha, a tan(alpha), direction (2,) and normal (2,) of the line."""
         c, s = np.cos(self.alpha), np.sin(self.alpha)
-        points = components(p * c - self.a + self.shift, p * s - self.a * np.tan(self.alpha) - self.b)
-        along, normals = np.empty_like(points), np.empty_like(points)
-        along[...], normals[...] = (c, s), (s, -c)
-        return points, along, normals, np.zeros_like(points)
+        return float(c), float(s), float(self.a * np.tan(self.alpha)), np.array((c, s)), np.array((s, -c))
 
     @property
     def line(self) -> RackLine:

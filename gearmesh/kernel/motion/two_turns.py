@@ -8,7 +8,7 @@ import numpy as np
 
 from gearmesh.kernel.motion.motion import MotionState
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, components, cross
+from gearmesh.kernel.numeric.algebra import Z_AXIS, Array, cross
 from gearmesh.records import dataclass
 
 #: parts of a rotation about z: the constant part, the factor of the cosine, the factor of the sine
@@ -74,4 +74,7 @@ class TwoTurns:
 
 def _parts(angle: Array) -> Array:
     """Return 1, cosine and sine (..., 3) of angles (...,), rad."""
-    return components(np.ones_like(angle), np.cos(angle), np.sin(angle))
+    parts = np.ones((*angle.shape, 3))
+    np.cos(angle, out=parts[..., 1])
+    np.sin(angle, out=parts[..., 2])
+    return parts
