@@ -250,7 +250,7 @@ class Conditions:
         if self.choice is not None:
             return self.choice[index]
         numbers = [*range(len(self.bounds)), -1, -1][:2]
-        return np.broadcast_to(np.array(numbers), (len(index), 2))
+        return np.full((len(index), 2), numbers)
 
     def _last(self, at: Touch, index: NDArray[np.intp], spin: Array) -> _Last:
         count, chosen = len(index), self._chosen_bounds(index)
@@ -261,7 +261,7 @@ class Conditions:
         where[tangent_to] = np.arange(tangent_to.size)
         bends = np.empty((tangent_to.size, 3, 3))
         member = np.zeros(tangent_to.size, dtype=np.intp)
-        for number in np.flatnonzero(np.bincount(chosen.ravel() + 1)[1:]):
+        for number in np.flatnonzero(np.bincount(chosen.ravel() + 1)[1:]) if self.bounds else ():
             bound = self.bounds[number]
             own, slot = np.nonzero(chosen == number)
             jet = at.own[bound.member]
@@ -315,7 +315,7 @@ class Conditions:
         own = np.flatnonzero(bounded == 0)
         first = unit(one.r_u[own])
         second = cross(one.n[own], first)
-        place, row = np.tile(own, 2), np.repeat([0, 1], own.size)
+        place, row = np.concatenate((own, own)), np.repeat([0, 1], own.size)
         direction = np.concatenate((first, second))
         if self.across is not None:
             held = np.flatnonzero(bounded == 1)

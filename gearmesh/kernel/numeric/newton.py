@@ -86,7 +86,8 @@ def solve(
         norm_new = np.abs(f_new).max(axis=-1)
         # accept the longest step of each member that decreases its residual
         better = np.flatnonzero(norm_new < norm[member])
-        better = better[np.diff(member[better], prepend=-1) > 0]
+        if member is not active:
+            better = better[np.diff(member[better], prepend=-1) > 0]
         fresh = member[better]
         x[fresh], f[fresh], jacobian[fresh], norm[fresh] = (
             trial[better],

@@ -134,7 +134,7 @@ def _newton_steps(
         with np.errstate(all="ignore"):
             step = miss / dot(axial.gradient(jet.r), jet.r_v)
         previous_v, v = v, np.where(np.isfinite(step), v - step, np.nan)
-        if np.array_equal(v, previous_v, equal_nan=True) or largest <= 1e-12 * scale:
+        if largest <= 1e-12 * scale or np.array_equal(v, previous_v, equal_nan=True):
             break
     jet = surface.jet(p, v)
     return v, jet, axial.value(jet.r) - stations, iterations

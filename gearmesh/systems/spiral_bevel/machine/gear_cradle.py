@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, cross
 from gearmesh.systems.common.bevel.blank import BevelBlank, MemberBlank
 from gearmesh.systems.spiral_bevel.machine.pair import HAND_SIGNS, nominal_base
 
@@ -45,7 +45,7 @@ def machine_axes(root_angle: float) -> tuple[Array, Array, Array]:
     """
     c, s = np.cos(root_angle), np.sin(root_angle)
     root, cradle = np.array([s, 0.0, c]), np.array([-c, 0.0, s])
-    return root, np.cross(cradle, root), cradle
+    return root, cross(cradle, root), cradle
 
 
 def upright_cutter(

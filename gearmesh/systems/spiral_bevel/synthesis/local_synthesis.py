@@ -139,7 +139,7 @@ def pinion_operator(gear: MeanContact, asked: ContactAsked) -> Array:
     v12, turning, rest = relative_motion(gear)
     direction = np.cos(asked.path_angle) * gear.lengthwise + np.sin(asked.path_angle) * gear.profilewise
     # m2' is normalised because axis2 x (B - O2) is scaled with the gear's speed
-    rest -= float(asked.ratio_derivative * (n @ np.cross(gear.spin2, gear.point - gear.origin2)))
+    rest -= float(asked.ratio_derivative * (n @ cross(gear.spin2, gear.point - gear.origin2)))
     # u1: the second equation gives the length of u2 along the requested direction
     over_pinion = direction * (rest / (turning @ direction)) - v12
     # K1 - K2 = flat + rank one: `flat` along the major axis, and the rest so that (K1 - K2) u1 = b
@@ -203,7 +203,7 @@ def contact_of(operator: Array, gear: MeanContact, delta: float) -> ContactAsked
     difference = basis @ (operator - gear.gear_operator) @ basis.T
     v12, turning, rest = relative_motion(gear)
     over_gear = np.linalg.solve(difference, basis @ turning) @ basis + v12
-    moved = gear.normal @ np.cross(gear.spin2, gear.point - gear.origin2)
+    moved = gear.normal @ cross(gear.spin2, gear.point - gear.origin2)
     flat = np.abs(np.linalg.eigvalsh(difference)).min()
     return ContactAsked(
         ratio_derivative=float((rest - turning @ over_gear) / moved),
@@ -219,10 +219,10 @@ def relative_motion(gear: MeanContact) -> tuple[Array, Array, float]:
     The known part excludes the motion of the contact point and the derivative of the ratio.
     """
     w12, n = gear.spin1 - gear.spin2, gear.normal
-    v2 = np.cross(gear.spin2, gear.point - gear.origin2)
-    v12 = np.cross(gear.spin1, gear.point) - v2
-    rest = np.cross(gear.spin2, n) @ v12 + n @ np.cross(w12, v2)
-    return v12, np.cross(w12, n) + gear.gear_operator @ v12, float(rest)
+    v2 = cross(gear.spin2, gear.point - gear.origin2)
+    v12 = cross(gear.spin1, gear.point) - v2
+    rest = cross(gear.spin2, n) @ v12 + n @ cross(w12, v2)
+    return v12, cross(w12, n) + gear.gear_operator @ v12, float(rest)
 
 
 def tool_settings(
@@ -243,8 +243,8 @@ def tool_settings(
     # blade angle by the normal; e1 along the rotation of the cutter, e2 along the blade
     sin_blade = -float(normal @ tool)
     cos_blade = float(np.sqrt(1.0 - sin_blade**2))
-    e1 = np.cross(tool, normal) / cos_blade
-    e2 = np.cross(normal, e1)
+    e1 = cross(tool, normal) / cos_blade
+    e2 = cross(normal, e1)
     # K1 - Kt has rank one with the principal curvatures (around, blade_curvature) of the tool along e1 and e2: its
     # determinant is 0, which gives the curvature around the cutter's axis and hence the radius
     k11, k12, k22 = e1 @ operator @ e1, e1 @ operator @ e2, e2 @ operator @ e2 - blade_curvature
@@ -259,9 +259,9 @@ def tool_settings(
     along2 = float(e2 @ cradle)
     along1, turning1, turning2 = 0.0, cos_blade, 0.0
     if axis is not None:
-        by_cradle = np.cross(cradle, normal)
+        by_cradle = cross(cradle, normal)
         along1, turning1, turning2 = (float(x) for x in (e1 @ cradle, by_cradle @ e1, by_cradle @ e2))
-    velocity1, turned = np.cross(Z_AXIS, point), np.cross(Z_AXIS, normal)
+    velocity1, turned = cross(Z_AXIS, point), cross(Z_AXIS, normal)
     # Sliding velocity (s1, s2) and vector (a1, a2) of the rank-one part, both linear in m. Conditions: the sliding along
     # the cradle axis is that of the pinion alone, since the cradle has none; and a1 / a2 = k12 / k22.
     level, share = -(velocity1 @ cradle) / along2, along1 / along2
@@ -271,9 +271,9 @@ def tool_settings(
     s2, s2_m = level - share * s1, -share * s1_m
     a2, a2_m = blade_curvature * s2 - turned @ e2, blade_curvature * s2_m + turning2
     a1, a1_m = a2 * k12 / k22, a2_m * k12 / k22
-    lever1, lever2 = a1 - normal @ np.cross(Z_AXIS, e1), normal @ np.cross(Z_AXIS, e2)
-    constant = -normal @ np.cross(Z_AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
-    slope = normal @ np.cross(cradle, velocity1) + lever1 * s1_m
+    lever1, lever2 = a1 - normal @ cross(Z_AXIS, e1), normal @ cross(Z_AXIS, e2)
+    constant = -normal @ cross(Z_AXIS, velocity1) - lever2 * s2 + a2 * s2 + lever1 * s1
+    slope = normal @ cross(cradle, velocity1) + lever1 * s1_m
     # size of the rank-one part: square m^2 + slope m + constant = 0; square is 0 for an upright cutter
     constant = a2**2 / k22 + constant
     slope += 2.0 * a2 * a2_m / k22 + (a2 - lever2) * s2_m + a2_m * s2 + a1_m * s1
@@ -289,7 +289,7 @@ def tool_settings(
 
     # machine centre: the cradle moves the mean point with the sliding velocity plus the pinion's
     sliding = (s1 + s1_m * ratio) * e1 + (s2 + s2_m * ratio) * e2
-    arm = -np.cross(cradle, sliding + velocity1) / ratio
+    arm = -cross(cradle, sliding + velocity1) / ratio
     radial = -side * (normal + sin_blade * tool) / cos_blade
     down = tool - side * sin_blade / cos_blade * radial
     blade = BladeAtMean(float(np.arcsin(sin_blade)), float(radius), radial, down, blade_curvature)
@@ -307,13 +307,13 @@ def placed_tool(point: Array, planes: MachinePlanes, blade: BladeAtMean, ratio: 
     """
     cradle, tool, radial, tip_plane = planes.cradle, planes.tool, blade.radial, planes.tip_plane
     root = np.array([cradle[2], 0.0, -cradle[0]])
-    across = np.cross(cradle, root)
+    across = cross(cradle, root)
     if tip_plane is None:
         floor, over = (cradle, 0.0) if planes.floor is None else planes.floor
         if planes.rolled:
             # the plane turns with the cutter about the cradle axis
             c, s = np.cos(planes.rolled), np.sin(planes.rolled)
-            turned = c * floor + s * np.cross(cradle, floor) + (1.0 - c) * (cradle @ floor) * cradle
+            turned = c * floor + s * cross(cradle, floor) + (1.0 - c) * (cradle @ floor) * cradle
             over, floor = over + float((turned - floor) @ (point - arm)), turned
         height = float((over - point @ floor) / (blade.down @ floor))
     else:
