@@ -16,6 +16,11 @@ MALLOPT_MAPPED = -3
 MALLOPT_TRIMMED = -1
 
 
+def is_own_process() -> bool:
+    """Return True if the process belongs to gearmesh alone: it called `keep_memory`."""
+    return keep_memory.cache_info().currsize > 0
+
+
 @cache
 def keep_memory() -> None:
     """Let the GNU C library keep the memory of freed arrays for the next arrays; other libraries stay as they are."""

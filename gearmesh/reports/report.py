@@ -258,9 +258,12 @@ def _draw(
 ) -> list[tuple[str, Image]]:
     """Draw all gears in mesh, then the teeth of the members with their contact."""
     scenes = [overview]
+    teeth = pictures.ToothViews({staged.member.name: staged for staged in members}, size=PICTURE_SIZE)
     for contact in contacts.values():
         scenes += [
-            pictures.contact_picture(contact.pair, name, contact.path, PICTURE_SIZE, whole=contact.whole)
+            pictures.contact_picture(
+                contact.pair, name, contact.path, PICTURE_SIZE, teeth.of(contact.pair, name), whole=contact.whole
+            )
             for name in contact.pair.members
         ]
     return [(scene.title, render(scene)) for scene in scenes]

@@ -5,10 +5,10 @@ A flank picture meshes the tooth in contact finely and the rest coarsely. The re
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from gearmesh.view.views import (
 )
 
 if TYPE_CHECKING:
-    from gearmesh.answers.bodies.solid import Solid
+    from gearmesh.mesh.tessellate import ToothMesh
     from gearmesh.teeth.generation.tool_in_place import ToolInPlace
     from gearmesh.view.diagrams.flank_diagrams import ContactPanel, FieldPanel, Panel
 
@@ -439,22 +439,36 @@ def _side(gears: GearPair, name: str) -> Side:
     return gears.flanks[gears.index(name)]
 
 
+class Meshed(Protocol):
+    """A member that is meshed."""
+
+    @property
+    def member(self) -> Member:
+        """The member."""
+
+    @property
+    def teeth(self) -> Sequence[ToothMesh]:
+        """Meshes of its teeth, one where all are alike."""
+
+
 @dataclass(frozen=True)
 class ToothViews:
     """Views of the members' teeth; each tooth is meshed once, however many pictures and meshes show it.
 
-    `solids`: solids of members, by name, that exist already. A solid that is fine enough is not meshed again.
+    `solids`: members, by name, that are meshed already. A member that is fine enough is not meshed again.
     """
 
-    solids: Mapping[str, Solid] = field(default_factory=dict)
+    solids: Mapping[str, Meshed] = field(default_factory=dict)
     meshes: dict[str, tuple[TriangleMesh, TriangleMesh]] = field(default_factory=dict)
+    #: width and height of the pictures, pixels
+    size: Size = PICTURE_SIZE
 
     def of(self, gears: GearPair, name: str) -> ToothView:
         """View of a member's tooth, finely meshed, in front of the rest of its gear."""
         body = gears.members[name]
         grid, ends = _pattern_grid(gears, name), end_names(body.tooth.blank.axial)
         if name not in self.meshes:
-            self.meshes[name] = _fine_and_rest(body, self.solids.get(name), flank_pixel(grid, PICTURE_SIZE))
+            self.meshes[name] = _fine_and_rest(body, self.solids.get(name), flank_pixel(grid, self.size))
         fine, rest = self.meshes[name]
         return ToothView(fine, flank_projection(body, _side(gears, name)), rest, grid, ends=ends)
 
@@ -464,7 +478,7 @@ def tooth_view(gears: GearPair, name: str) -> ToothView:
     return ToothViews().of(gears, name)
 
 
-def _fine_and_rest(body: Member, solid: Solid | None, pixel: float) -> tuple[TriangleMesh, TriangleMesh]:
+def _fine_and_rest(body: Member, solid: Meshed | None, pixel: float) -> tuple[TriangleMesh, TriangleMesh]:
     """Meshes of the tooth on +x, fine, and of the gear without it, coarse, for pixels of this length (mm).
 
     They are taken from `solid` if it is fine enough. Triangles of a picture are not kept, so they are not thinned.

@@ -77,6 +77,12 @@ def test_a_run_meshes_its_members_once_and_draws_its_plots_once(
     assert (len(sheets), len(wholes)) == (1, 0)
 
 
+def test_a_page_shows_the_teeth_of_its_pictures(meshed: list[tuple[int, bool]]) -> None:
+    gears = gm.build(gm.load(SAMPLE, ["contact.phi1.count=3"]))
+    gears.report()
+    assert sorted(meshed) == sorted((member.tooth.teeth, True) for member in gears.members.values())
+
+
 def test_teeth_in_pictures_are_not_thinned_and_coarse_solids_not_shown(
     meshed: list[tuple[int, bool]],
 ) -> None:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import re
+import sys
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
@@ -21,6 +23,7 @@ from gearmesh.figures import at_resolution
 from gearmesh.formats import PDF_SUFFIX, PNG_SUFFIX, SVG_SUFFIX, refuse_suffix
 from gearmesh.io.png import write_png
 from gearmesh.kernel.numeric.algebra import ARCSEC, Array
+from gearmesh.memory import is_own_process
 from gearmesh.records import dataclass
 from gearmesh.view.lettering import fit_title
 from gearmesh.view.palette import (
@@ -401,6 +404,7 @@ def new_figure(
 
     Without a `layout` axes stay where they are put.
     """
+    _load_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -408,6 +412,22 @@ def new_figure(
     # without a canvas that keeps its renderer every measurement makes a new one, with all its pixels
     FigureCanvasAgg(figure)
     return figure
+
+
+def _load_matplotlib() -> None:
+    """Load matplotlib's figures. In a process of gearmesh alone its classes get no texts about their properties, which take
+    a third of the time."""
+    if not is_own_process() or "matplotlib.figure" in sys.modules:
+        return
+    from matplotlib import artist
+
+    texts = artist.kwdoc
+    vars(artist)["kwdoc"] = lambda _: ""
+    try:
+        import_module("matplotlib.backends.backend_agg")
+        import_module("matplotlib.figure")
+    finally:
+        vars(artist)["kwdoc"] = texts
 
 
 def lay_out(figure: Any) -> None:

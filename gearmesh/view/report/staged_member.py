@@ -40,6 +40,8 @@ class StagedMember:
     tooth: TriangleMesh
     #: mesh of everything that is not repeated with the teeth
     rest: TriangleMesh
+    #: the tooth as it was meshed
+    teeth: tuple[ToothMesh]
 
     @property
     def reach(self) -> float:
@@ -61,9 +63,8 @@ class StagedMember:
         regions = member.repeated_regions
         repeated = np.isin(plain.regions, [plain.region_names.index(name) for name in regions])
         first = np.flatnonzero(repeated)[: int(repeated.sum()) // member.tooth.teeth]
-        return StagedMember(
-            member, whole, _part(plain, first), whole.only(*(set(whole.region_names) - set(map(str, regions))))
-        )
+        rest = whole.only(*(set(whole.region_names) - set(map(str, regions))))
+        return StagedMember(member, whole, _part(plain, first), rest, (tooth,))
 
 
 def camera_data(camera: Camera) -> dict[str, Any]:
