@@ -443,8 +443,8 @@ class Meshed(Protocol):
     """A member that is meshed."""
 
     @property
-    def member(self) -> Member:
-        """The member."""
+    def member(self) -> Member | None:
+        """The member, None if it is not known."""
 
     @property
     def teeth(self) -> Sequence[ToothMesh]:
