@@ -8,6 +8,8 @@ import sys
 
 from gearmesh.memory import keep_memory
 
+#: objects made before the first search for unreachable cycles: more than modules make, which all stay
+OBJECTS_BEFORE_SEARCHES = 200_000
 #: objects made between two searches for unreachable cycles, and how many of these searches look at older objects, too: modules and
 #: plots make many objects that stay
 OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
@@ -15,7 +17,8 @@ OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
 
 def main() -> int:
     """Run the command line; a stop while modules are loading gives the same message as a later stop."""
-    gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
+    gc.set_threshold(OBJECTS_BEFORE_SEARCHES)
+    gc.callbacks.append(_after_first_search)
     # the last searches, at the end of the process, would look at all objects, whose memory is given back anyhow
     atexit.register(gc.freeze)
     keep_memory()
@@ -31,6 +34,12 @@ def main() -> int:
         # itself by a signal; the next text takes it away
         exec("")
     return status
+
+
+def _after_first_search(phase: str, info: dict[str, int]) -> None:
+    """Search more often from the first search on."""
+    gc.callbacks.remove(_after_first_search)
+    gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
 
 
 if __name__ == "__main__":

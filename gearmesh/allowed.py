@@ -23,11 +23,9 @@ LENGTH_DIGITS = 6
 _BOUND_WORDS = {"at most ": 0, "less than ": 0, " to ": 0, "at least ": 1, "more than ": 1, "from ": 1, "between ": 1}
 _BOUND_WORDS |= {"at most about ": 0, "at least about ": 1}
 #: a number with the words before it
-_NUMBER_PATTERN = re.compile(
-    rf"(?P<bound>{'|'.join(_BOUND_WORDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
-)
+_NUMBER_PATTERN = rf"(?P<bound>{'|'.join(_BOUND_WORDS)})?(?<![\w.])(?P<figure>-?\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
 #: one or several lengths in mm, with the words before the first length
-_LENGTHS_PATTERN = re.compile(
+_LENGTHS_PATTERN = (
     rf"((?:{'|'.join(_BOUND_WORDS)})?(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?"
     r"(?:(?: to | and | or |, )-?\d[\d.]*(?:e[-+]?\d+)?)*) mm(?![/\w^])"
 )
@@ -54,13 +52,13 @@ _LOW_PATTERN = (
 #: an upper bound
 _HIGH_PATTERN = rf"(?P<upper>{_UPPER_WORDS}) {_QUANTITY_PATTERN.format('high')}"
 #: bounds of the value itself: a range, or one or two bounds, followed by nothing that names another quantity
-_ALLOWED_PATTERN = re.compile(rf"(?:{_RANGE_PATTERN}|{_LOW_PATTERN}|{_HIGH_PATTERN})(?=$|[,:]| with | or | either way)")
+_ALLOWED_PATTERN = rf"(?:{_RANGE_PATTERN}|{_LOW_PATTERN}|{_HIGH_PATTERN})(?=$|[,:]| with | or | either way)"
 #: groups of the pattern with a lower and with an upper bound
 _BOUND_GROUPS = (("least", "low"), ("most", "top", "high"))
 #: a bound of any quantity
-_ANY_BOUND = re.compile(rf"(?:{_UPPER_WORDS}|{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('any')}")
+_ANY_BOUND = rf"(?:{_UPPER_WORDS}|{_LOWER_WORDS}) {_QUANTITY_PATTERN.format('any')}"
 #: a remark in parentheses
-_IN_PARENTHESES = re.compile(r" \([^()]*\)")
+_IN_PARENTHESES = r" \([^()]*\)"
 
 
 class Bounds(NamedTuple):
@@ -166,7 +164,7 @@ def _round(bound: float, whole: Callable[[float], int]) -> str:
 
 def stated_bounds(allowed: str) -> Bounds | None:
     """Return the bounds of the value that a text states; None if it states none, or bounds of another quantity."""
-    stated = _ALLOWED_PATTERN.match(_IN_PARENTHESES.sub("", allowed))
+    stated = re.match(_ALLOWED_PATTERN, re.sub(_IN_PARENTHESES, "", allowed))
     if stated is None:
         return None
     part = {name: text for name, text in stated.groupdict().items() if text is not None}
@@ -184,12 +182,12 @@ def stated_bounds(allowed: str) -> Bounds | None:
 
 def has_bound(allowed: str) -> bool:
     """Return True if a text states a bound of any quantity."""
-    return _ANY_BOUND.search(allowed) is not None
+    return re.search(_ANY_BOUND, allowed) is not None
 
 
 def with_unit(allowed: str, unit: str) -> str:
     """Return allowed values with a unit behind the last bound, if they state bounds of the value without a unit."""
-    stated = _ALLOWED_PATTERN.match(allowed)
+    stated = re.match(_ALLOWED_PATTERN, allowed)
     if stated is None or not unit or any(text for name, text in stated.groupdict().items() if name.endswith("_unit")):
         return allowed
     end = max(stated.end(name) for names in _BOUND_GROUPS for name in names)
@@ -198,7 +196,7 @@ def with_unit(allowed: str, unit: str) -> str:
 
 def in_unit(line: str, unit: str, mm: float) -> str:
     """Return a message with its lengths, which are in mm, in another unit of length `mm`; bounds are rounded inwards."""
-    return line if mm == 1.0 else _LENGTHS_PATTERN.sub(lambda lengths: _in_unit(lengths, unit, mm), line)
+    return line if mm == 1.0 else re.sub(_LENGTHS_PATTERN, lambda lengths: _in_unit(lengths, unit, mm), line)
 
 
 def _in_unit(lengths: re.Match[str], unit: str, mm: float) -> str:
@@ -213,4 +211,4 @@ def _in_unit(lengths: re.Match[str], unit: str, mm: float) -> str:
         count = nearest if abs(figure / step - nearest) < 1e-4 else whole(figure / step)
         return f"{number['bound'] or ''}{count * step:.{LENGTH_DIGITS}g}"
 
-    return f"{_NUMBER_PATTERN.sub(convert, lengths[1])} {unit}"
+    return f"{re.sub(_NUMBER_PATTERN, convert, lengths[1])} {unit}"

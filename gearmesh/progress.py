@@ -7,7 +7,6 @@ that wants to know uses `listening`. By default nobody listens.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Event
@@ -86,6 +85,8 @@ def side_by_side(work: Callable[..., Item], *arguments: Iterable[Any]) -> list[I
 
     Ctrl-C, or an error in one thread, ends the other threads at their next call of `go_on`.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
     ended = Event()
 
     def in_thread(*values: Any) -> Item:
@@ -106,4 +107,6 @@ def go_on() -> None:
     """Raise CancelledError if nobody waits for the work any more."""
     ended = _ended.get()
     if ended is not None and ended():
+        from concurrent.futures import CancelledError
+
         raise CancelledError

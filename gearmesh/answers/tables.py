@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import math
 import textwrap
@@ -167,6 +166,8 @@ def _lines(row: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -
 
 def as_html(listings: Sequence[Listing]) -> str:
     """Return tables as HTML, for notebooks."""
+    import html
+
     return "".join(
         html_table(listing.title, listing.columns, listing.cells)
         + "".join(f'<p class="note">{html.escape(note)}</p>' for note in listing.notes)

@@ -27,7 +27,7 @@ from gearmesh.cad.occ import (
 )
 from gearmesh.errors import DesignError
 from gearmesh.io.digits import parameters_on_grid, points_on_grid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.splines import SplineCurve
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.records import dataclass
@@ -71,8 +71,8 @@ class Trace:
         """
         # the curve as it is drawn
         curve = SplineCurve(knots, points_on_grid(control), SPLINE_DEGREE)
-        spans = np.unique(knots)
-        places = np.unique(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES_PER_SPAN + 1))
+        spans = distinct(knots)
+        places = distinct(spans[:-1, None] + np.diff(spans)[:, None] * np.linspace(0.0, 1.0, PLACES_PER_SPAN + 1))
         wanted = curve(places)
         miss, trace = np.inf, None
         for pieces in range(1, MAX_PARTS_PER_SPAN + 1):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gearmesh.cad.step import Part
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.splines import basis
 
 #: relative error of a face's share of the volume
@@ -129,7 +129,7 @@ def _swept(knots: Array, curves: list[tuple[float, list[float]]]) -> float:
     degree = len(knots) - x.shape[1] - 1
     # x dy - y dx has twice the degree less one, which as many points as the degree integrate exactly
     nodes, weights = np.polynomial.legendre.leggauss(degree)
-    spans = np.unique(knots)
+    spans = distinct(knots)
     half = 0.5 * np.diff(spans)[:, None]
     places, weights = (spans[:-1, None] + half * (1.0 + nodes)).ravel(), (half * weights).ravel()
     products = basis(knots, degree, places).T @ (weights[:, None] * basis(knots, degree, places, 1))

@@ -23,7 +23,7 @@ from gearmesh.contact.pair import (
 from gearmesh.contact.path import ContactPath
 from gearmesh.contact.tca import contact_path
 from gearmesh.errors import ArgumentError
-from gearmesh.kernel.numeric.algebra import Array, cross, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, unit
 from gearmesh.kernel.surface.curvature import in_plane, principal, relative_curvature, shape_operator, tangent_basis
 from gearmesh.kernel.surface.levels import ConeLevel, Level, Shifted
 from gearmesh.kernel.surface.nearest import tangential
@@ -290,7 +290,7 @@ def contact_flank(member: Member, side: Side) -> Flank:
 
 def rows_of(link: Link, side: Side) -> Array:
     """Return s (I,) of the rows of a flank's grid from the root on: equally spaced rows and the seams."""
-    s = np.union1d(np.linspace(0.0, 1.0, FLANK_ROWS), breaks(link))
+    s = distinct(np.append(np.linspace(0.0, 1.0, FLANK_ROWS), breaks(link)))
     return s if side is Side.RIGHT else s[::-1]
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, components, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, components, cross, distinct, dot
 from gearmesh.kernel.numeric.polylines import depth_inside, share_inside
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.surface.surface import Jet
@@ -196,7 +196,7 @@ def _envelope(pair: GearPair) -> LimitLine:
     # the first crossings of all rows are one line, the second crossings the next line
     number = np.arange(every.size) - np.searchsorted(i[every], i[every])
     gap = np.full((1, 3), np.nan)
-    parts = [np.flatnonzero(number == n) for n in np.unique(number)]
+    parts = [np.flatnonzero(number == n) for n in distinct(number)]
     own, placed = (
         np.concatenate([piece for part in parts for piece in (values[part], gap)]) if parts else np.empty((0, 3))
         for values in (jet.r, fixed)

@@ -335,6 +335,28 @@ def conflict(
     return PydanticCustomError("conflict", "{key}", fields)
 
 
+#: types of most keys, by their texts in annotations: pydantic would compile the text of each key
+_KNOWN_TYPES: dict[str, Any] = {
+    "float": float,
+    "float | None": float | None,
+    "int": int,
+    "int | None": int | None,
+    "str": str,
+    "str | None": str | None,
+    "bool": bool,
+    "bool | None": bool | None,
+    "tuple[float, ...]": tuple[float, ...],
+}
+
+
+def _know_types(table: type[BaseModel]) -> None:
+    """Replace texts in the annotations of a table by their types; pydantic compiles those of class variables in each subclass."""
+    own = table.__annotations__
+    for name, text in own.items():
+        if isinstance(text, str):
+            own[name] = ClassVar if text.startswith("ClassVar") else _KNOWN_TYPES.get(text, text)
+
+
 class Table(BaseModel):
     """A table of a design file: immutable, with the declared keys alone."""
 
@@ -359,6 +381,10 @@ class Table(BaseModel):
     listed_apart: ClassVar[str] = ""
     #: names in texts of the tables of a design that is part of another design
     other_names: ClassVar[Mapping[str, str]] = {}
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        _know_types(cls)
 
     @classmethod
     def name_in_texts(cls, dotted: str) -> str:
@@ -631,6 +657,9 @@ class Table(BaseModel):
             for name, value in values.items()
             if value is not None
         }
+
+
+_know_types(Table)
 
 
 @cache

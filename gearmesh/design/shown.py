@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -32,6 +31,8 @@ def shown_key(parts: Iterable[Any]) -> str:
 
 def html_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table of texts as HTML, for notebooks."""
+    import html
+
     caption = f"<caption>{html.escape(title)}</caption>" if title else ""
     head = "".join(f"<th>{html.escape(column)}</th>" for column in columns)
     head = f"<thead><tr>{head}</tr></thead>" if any(columns) else ""

@@ -17,7 +17,7 @@ from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.fe.model import ContactPair, CyclicSymmetry, Model, NodeForces, RigidTie, Support
 from gearmesh.fe.placing import PlacedPair, arc_centre, focus_on, major_axis, neighbours, stations_under_load
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array, plane_cross, unit
+from gearmesh.kernel.numeric.algebra import Array, distinct, plane_cross, unit
 from gearmesh.mesh.hexahedra.cyclic import pair_cuts
 from gearmesh.mesh.hexahedra.hexahedra import Cells, CoarsestLines, Focus, HexGrid, focused_grid, hex_mesh, plain_grid
 from gearmesh.mesh.hexahedra.hexes import HexMesh, join
@@ -213,7 +213,7 @@ def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
     # an arc of threads is cut at its ends too
     cut_faces = CUT_REGIONS if tooth.screw is None else (*CUT_REGIONS, "toe", "heel")
     held = [mesh.node_sets[key] for key in (held_set, *cut_faces) if key in mesh.node_sets]
-    return replace(mesh, node_sets=mesh.node_sets | {"held": np.unique(np.concatenate(held))})
+    return replace(mesh, node_sets=mesh.node_sets | {"held": distinct(np.concatenate(held))})
 
 
 def _threads_in_length(tooth: Tooth) -> int:

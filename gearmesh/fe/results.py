@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from gearmesh.fe.model import Model
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.hexahedra.hexes import HexMesh
 from gearmesh.records import dataclass
 
@@ -147,7 +147,7 @@ def von_mises(stress: Array) -> Array:
 def largest_principal(mesh: HexMesh, solution: NodalSolution, *face_sets: str, sense: float = 1.0) -> tuple[float, int]:
     """Return the largest tension (MPa) at the nodes of face sets, and its node; with `sense` -1 the largest
     compression."""
-    nodes = np.unique(np.concatenate([mesh.face_nodes(name) for name in face_sets]))
+    nodes = distinct(np.concatenate([mesh.face_nodes(name) for name in face_sets]))
     values = principal_stresses(sense * solution.stress[nodes])[:, 2]
     worst = int(np.argmax(values))
     return float(values[worst]), int(nodes[worst])

@@ -11,15 +11,15 @@ MAX_LINE_CHARACTERS = 40
 #: beginnings of parser messages about a line that is no key with a value
 LINE_ERRORS = ("Expected newline", "Invalid value", "Expected '=' after a key")
 #: line and column at the end of a parser message
-_ERROR_PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
+_ERROR_PLACE = r" \(at line (\d+), column (\d+)\)$"
 #: key = value, with a comment
-_KEY_AND_VALUE = re.compile(r"""\s*([\w.\-"']+?)\s*=\s*([^#"']*?)\s*(#.*)?""")
+_KEY_AND_VALUE = r"""\s*([\w.\-"']+?)\s*=\s*([^#"']*?)\s*(#.*)?"""
 #: number with a unit of length
-_NUMBER_WITH_UNIT = re.compile(r"[-+]?[0-9.]+ ?(um|µm|μm|mm|in|inch)")
+_NUMBER_WITH_UNIT = r"[-+]?[0-9.]+ ?(um|µm|μm|mm|in|inch)"
 #: text without quotes
-_BARE_WORD = re.compile(r"[A-Za-z_][\w. -]*")
+_BARE_WORD = r"[A-Za-z_][\w. -]*"
 #: two keys in one line
-_TWO_ASSIGNMENTS = re.compile(r"""\s*[\w.-]+\s*=\s*(?:[\w.+-]+|"[^"]*")\s*[,;]?\s*[\w.-]+\s*=""")
+_TWO_ASSIGNMENTS = r"""\s*[\w.-]+\s*=\s*(?:[\w.+-]+|"[^"]*")\s*[,;]?\s*[\w.-]+\s*="""
 #: words for no value, which TOML does not have, and for special numbers
 NO_VALUE_WORDS = ("none", "null", "nil", "nan", "inf")
 
@@ -27,7 +27,7 @@ NO_VALUE_WORDS = ("none", "null", "nil", "nan", "inf")
 def toml_refusal(text: str, failure: Exception) -> tuple[str, str]:
     """Return reason and remedy for a text that the TOML parser refused: line and correction, if known."""
     told = " ".join(str(failure).split())
-    place = _ERROR_PLACE.search(told)
+    place = re.search(_ERROR_PLACE, told)
     if place is None:
         return told, ""
     number, column = int(place[1]), int(place[2])
@@ -42,9 +42,9 @@ def toml_refusal(text: str, failure: Exception) -> tuple[str, str]:
 
 def _remedy(line: str) -> str:
     """Return the correction of a line with a key and a value; empty if unknown."""
-    assignment = _KEY_AND_VALUE.fullmatch(line)
+    assignment = re.fullmatch(_KEY_AND_VALUE, line)
     if assignment is None:
-        if _TWO_ASSIGNMENTS.match(line):
+        if re.match(_TWO_ASSIGNMENTS, line):
             return "write each key in a line of its own"
         colon = re.fullmatch(r"\s*([\w.-]+)\s*:\s*([^#]*?)\s*(#.*)?", line)
         return f"write {colon[1]} = {colon[2]}"[:MAX_LINE_CHARACTERS] if colon else ""
@@ -53,7 +53,9 @@ def _remedy(line: str) -> str:
         return pointed.replace("write ", f"write {key} = ", 1)
     if value.lower() in ("true", "false"):
         return f"write {key} = {value.lower()}"
-    if _NUMBER_WITH_UNIT.fullmatch(value) or (_BARE_WORD.fullmatch(value) and value.lower() not in NO_VALUE_WORDS):
+    if re.fullmatch(_NUMBER_WITH_UNIT, value) or (
+        re.fullmatch(_BARE_WORD, value) and value.lower() not in NO_VALUE_WORDS
+    ):
         return f'write {key} = "{value}"'
     if is_number(value) and value == assignment[2]:
         whole = parse_whole_number(value)

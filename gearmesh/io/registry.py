@@ -11,7 +11,6 @@ import zipfile
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
-from xml.etree.ElementTree import ParseError
 
 import numpy as np
 
@@ -49,8 +48,8 @@ def _exactly(mesh: Facets) -> Facets:
 #: formats by suffix, of the modules that are loaded
 _REGISTERED_FORMATS: dict[str, MeshFormat] = {}
 
-#: errors that numpy, struct, zipfile, json and the XML parser raise for a damaged or foreign file
-_READER_ERRORS = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, ParseError)
+#: errors that numpy, struct, zipfile, json and the XML parser (SyntaxError) raise for a damaged or foreign file
+_READER_ERRORS = (ValueError, KeyError, IndexError, TypeError, struct.error, zipfile.BadZipFile, SyntaxError)
 
 
 def register(

@@ -102,7 +102,7 @@ def some_teeth(member: Member, tooth_meshes: Sequence[ToothMesh], count: int) ->
     """Return the open mesh of `count` teeth of a member, from the meshes of its different teeth."""
     places = member.tooth.joint.places(count)
     kinds = member.order[:count] if member.others else np.zeros(count, dtype=np.int64)
-    meshes = [teeth_mesh(tooth_meshes[kind], member.name, places[kinds == kind]) for kind in np.unique(kinds)]
+    meshes = [teeth_mesh(tooth_meshes[kind], member.name, places[kinds == kind]) for kind in distinct(kinds)]
     return join(meshes)
 
 

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.ends.end_mesh import EndMesh, end_mesh
 from gearmesh.mesh.links.forms import Forms
 from gearmesh.mesh.links.images import image
@@ -204,7 +204,7 @@ def tessellate_alike(
     count = len(drafts[0].regions)
     least, fixed, seams = (
         np.ones(count + 1),
-        np.unique(np.concatenate([tooth.breaks for tooth in teeth])),
+        distinct(np.concatenate([tooth.breaks for tooth in teeth])),
         list[Array](),
     )
     known = dict[bytes, Array]()
@@ -374,7 +374,7 @@ class _Draft:
             for k in wanted
         }
         drawn = [lines[k].t for k in wanted if tooth.chain[self.regions[k]].surface is None]
-        t = np.unique(np.concatenate([*seams, *drawn, fixed]))
+        t = distinct(np.concatenate([*seams, *drawn, fixed]))
         if self.trimmed is None or not np.array_equal(t, self.trimmed.t):
             self.trimmed = tooth.sections(t)
         for k in wanted:

@@ -26,7 +26,7 @@ from gearmesh.kernel.envelope.limiting_line import area_density, singular_at, ze
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rolling import RackRoll
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot, polar_angle
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import LandLevel, Level, station_normal
 from gearmesh.kernel.surface.stations import TrimError, along
@@ -190,7 +190,7 @@ def lost_flank(tooth: Tooth, which: Side) -> LostFlank:
     side = tooth.side(which)
     if side.generation is None:
         return LostFlank(*(math.nan,) * 4)
-    t = np.union1d(np.linspace(0.0, 1.0, AREA_STATIONS), tooth.breaks_of(which))
+    t = distinct(np.append(np.linspace(0.0, 1.0, AREA_STATIONS), tooth.breaks_of(which)))
     try:
         sections = tooth.sections(t)
     except TrimError:

@@ -22,7 +22,7 @@ from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.kernel.numeric.roots import last_true
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.kernel.surface.stations import TrimError, along, follow
@@ -298,7 +298,7 @@ class Tooth:
         At these stations undercut begins or ends, so that the form point has a corner, or a flank is not smooth along
         the face.
         """
-        return np.unique(np.concatenate([*(self.breaks_of(side) for side in Side), self.face_breaks]))
+        return distinct(np.concatenate([*(self.breaks_of(side) for side in Side), self.face_breaks]))
 
     @cached_property
     def face_breaks(self) -> Array:
@@ -318,7 +318,7 @@ class Tooth:
         if not found or any(link.seams for link in self.chain.values()):
             return ()
         nearest = np.abs(self.face_breaks[:, None] - np.array([t for t, _ in found])).argmin(axis=1)
-        others = np.setdiff1d(self.breaks, self.face_breaks)
+        others = np.setdiff1d(self.breaks, self.face_breaks, assume_unique=True)
         for k in range(len(found)):
             ends = self.face_breaks[nearest == k]
             if ends.size == 0 or ((others > ends.min()) & (others < ends.max())).any():
@@ -335,7 +335,7 @@ class Tooth:
         """Convert station coordinates (mm) to t, ascending, and keep those inside (0, 1)."""
         toe, heel = self.blank.extent
         t = (np.array(places) - toe) / (heel - toe)
-        return np.unique(t[(t > 0.0) & (t < 1.0)])
+        return distinct(t[(t > 0.0) & (t < 1.0)])
 
     @property
     def smooth_stretches(self) -> tuple[float, ...]:
@@ -343,7 +343,7 @@ class Tooth:
 
         They are 0, the breaks of the face, the places where higher derivatives jump, and 1.
         """
-        return (0.0, *np.union1d(self.face_breaks, self._bends).tolist(), 1.0)
+        return (0.0, *distinct(np.append(self.face_breaks, self._bends)).tolist(), 1.0)
 
     @property
     def _bends(self) -> Array:
@@ -1151,8 +1151,8 @@ class Tooth:
         The land of a single thread spans nearly a full turn where the thread runs out.
         """
         # sample the face finely enough that the width changes by less than half a turn, and count its full turns from mid face
-        stretches = pairwise(np.unique([0.0, *self._bends, 0.5, 1.0]))
-        way = np.unique(np.concatenate([t, *(np.linspace(*ends, LAND_STATIONS) for ends in stretches)]))
+        stretches = pairwise(distinct(np.array([0.0, *self._bends, 0.5, 1.0])))
+        way = distinct(np.concatenate([t, *(np.linspace(*ends, LAND_STATIONS) for ends in stretches)]))
         right, left = (self.joint.angle(self._tip(self.side(side), self.stations(way), way)[1].r) for side in Side)
         width = self.joint.within(left - right)
         turns = self.joint.running(width) - width

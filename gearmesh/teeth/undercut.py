@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gearmesh.errors import Solution
 from gearmesh.kernel.envelope.limiting_line import area_density, singular_at
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot, polar_angle
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot, polar_angle
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.stations import Followed, TrimError, along, follow
 from gearmesh.kernel.surface.surface import Jet, Surface
@@ -203,7 +203,7 @@ def _intersection(
     """
     t, stations = at
     if start is None:
-        start_indices = np.unique(np.linspace(0, stations.size - 1, START_STATIONS).round().astype(np.intp))
+        start_indices = distinct(np.linspace(0, stations.size - 1, START_STATIONS).round().astype(np.intp))
         known_starts = _start(side, tip[start_indices], (t[start_indices], stations[start_indices]), axial, root)
         start = Undercut(stations[start_indices], known_starts).at(stations)
     solution = intersection((side.flank, side.fillet), start, stations, axial)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.plane.curves import PlaneCurve, rotation
 from gearmesh.records import dataclass
 
@@ -45,7 +45,7 @@ class PlaneSpline:
         """The curve as Bezier segments: control points (N, 4, 2), mm, with equal ends of neighbouring segments."""
         from scipy.interpolate import BSpline
 
-        ends = np.unique(self.knots)
+        ends = distinct(self.knots)
         wide, spline = np.diff(ends)[:, None], BSpline(self.knots, self.control, CUBIC_DEGREE)
         place, slope = spline(ends[:-1]), wide * spline(ends[:-1], 1)
         square, cubic = wide**2 / 2.0 * spline(ends[:-1], 2), wide**3 / 6.0 * spline(ends[:-1], 3)

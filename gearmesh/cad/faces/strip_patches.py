@@ -21,7 +21,7 @@ import numpy as np
 from gearmesh.cad.brep import LEVEL_TOLERANCE_MM, MIN_LINK_WIDTH_MM, TOLERANCE_SHARE, Piece, SplineTooth, StripPatch
 from gearmesh.cad.nodes import MAX_NODES, SPLINE_DEGREE, warp
 from gearmesh.errors import NoSolutionError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.splines import SplineCurve, control_net, tensor_product
 from gearmesh.kernel.surface.levels import station_normal
 from gearmesh.records import dataclass
@@ -135,7 +135,7 @@ class _PieceFit:
             worst = np.maximum.reduceat(excess[:-1], np.arange(0, y.size - 1, PLACES_PER_SPAN))
             if worst.max() <= 1.0:
                 return net, knots, float(miss.max())
-            spans = np.unique(knots)
+            spans = distinct(knots)
             if spans.size > MAX_NODES:
                 break
             knots = np.sort(np.concatenate((knots, (0.5 * (spans[1:] + spans[:-1]))[worst > 1.0])))
@@ -196,7 +196,7 @@ def _nodes(knots: Array) -> Array:
 
 def _places(knots: Array) -> Array:
     """Return the measured places: PLACES_PER_SPAN in each span, and the end."""
-    spans = np.unique(knots)
+    spans = distinct(knots)
     return np.append(
         (spans[:-1, None] + np.diff(spans)[:, None] * np.arange(PLACES_PER_SPAN) / PLACES_PER_SPAN).ravel(), spans[-1]
     )

@@ -29,7 +29,7 @@ class TriedPlaces:
         """Add places (S,) and return the numbers of those that are new; of equal places the first is new."""
         keys = (position * (EDGE_COUNT + 2) + edge + 1) * (2 * MAX_MARK + 1) + mark + MAX_MARK
         new = np.sort(np.unique(keys, return_index=True)[1])
-        new = new[~np.isin(keys[new], self._keys)]
+        new = new[~np.isin(keys[new], self._keys, assume_unique=True)]
         self._keys = np.concatenate((self._keys, keys[new]))
         return new
 

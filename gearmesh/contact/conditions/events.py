@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gearmesh.contact.conditions.meshing import Conditions
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.records import dataclass
 
 #: steps of a bracketed root at most
@@ -44,7 +44,7 @@ def reaches(pair: Pair, conditions: Conditions, edge: NDArray[np.intp], x: Array
         there = replace(conditions.repeat(index), phi1=y[:, 5])
         f, whole = np.empty((len(y), 6)), np.zeros((len(y), 6, 6))
         at, f[:, :5], whole[:, :5, :5], whole[:, :5, 5] = there.with_phi1(y[:, :5], np.arange(len(y)))
-        for number in np.unique(edge[index]):
+        for number in distinct(edge[index]):
             bound, own = pair.bounds[number], np.flatnonzero(edge[index] == number)
             assert bound is not None
             jet = at.own[bound.member][own]
@@ -92,6 +92,6 @@ def root_between(
             # a function that is flat to rounding has no secant
             if fall != 0.0:
                 about = np.concatenate((about, np.clip(ends[0] / fall + PLACES_NEAR_SECANT, 0.0, 1.0)))
-            places = np.unique(low + about * (high - low))
+            places = distinct(low + about * (high - low))
         last = abs(f[k])
     return 0.5 * (low + high)

@@ -27,7 +27,7 @@ from gearmesh.contact.conditions.refinement import (
 )
 from gearmesh.contact.pair import Pair, edge_number
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, cross, dot, plane_cross, turn, unit
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot, plane_cross, turn, unit
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.records import dataclass
 
@@ -132,7 +132,7 @@ def _stations(pair: Pair) -> Array:
     toe, heel = pair.gear.extent
     origin = np.zeros(3)
     corners = [float(pair.gear.axial.value(origin) - level.value(origin)) for level in pair.gear.tip_corners.values()]
-    stations = np.unique([*np.linspace(toe, heel, FACE_STATIONS), *corners])
+    stations = distinct(np.array([*np.linspace(toe, heel, FACE_STATIONS), *corners]))
     return stations if toe < heel else stations[::-1]
 
 
@@ -271,7 +271,7 @@ def _tangency(pair: Pair, touch: Touch, edge: NDArray[np.intp], along: Array) ->
     tangent = directions(pair, touch)[0]
     tangent *= np.sign(dot(tangent, along))[:, None]
     values = np.empty((len(edge), 2))
-    for number in np.unique(edge):
+    for number in distinct(edge):
         bound, own = pair.bounds[number], np.flatnonzero(edge == number)
         assert bound is not None
         r = touch.own[bound.member].r[own]

@@ -18,7 +18,7 @@ from gearmesh.contact.conditions.meshing import Bound, Conditions
 from gearmesh.contact.conditions.refinement import EDGE_SLACK, NULL_SPACE_SHARE, at_positions, margins
 from gearmesh.contact.pair import Pair
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.records import dataclass
 
 #: points of a line, with its ends
@@ -87,7 +87,7 @@ def _bend(
         .fixed[0]
         .r.reshape(-1, LINE_POINTS, 3)
     )
-    for k in np.unique(own.line):
+    for k in distinct(own.line):
         parts = np.flatnonzero(own.line == k)
         gap = np.full((1, 3), np.nan)
         points[which[k]] = np.concatenate([row for part in parts for row in (r[part], gap)][:-1])

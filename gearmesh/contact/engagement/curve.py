@@ -17,7 +17,7 @@ from gearmesh.contact.engagement.engagement import NODES_PER_PITCH as NODES
 from gearmesh.contact.engagement.engagement import Engagement
 from gearmesh.contact.engagement.surface_contact import SurfaceContact, surface_contact
 from gearmesh.contact.engagement.transmission_advance import TransmissionAdvance
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.records import dataclass
 
@@ -242,7 +242,7 @@ class MeshCurve:
     def _known_phi1(self) -> Array:
         """phi1 (M,), rad, ascending, of the nodes of pair 0 and of the ends of its surface contact."""
         ends = np.array([self.surface.begin, self.surface.end])
-        return np.unique(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
+        return distinct(np.concatenate((self.of_pair.phi1, ends[np.isfinite(ends)])))
 
     def _summits(self, phi1: Array, advance: Array, slope: Array, end: NDArray[np.bool_]) -> list[tuple[float, int]]:
         """Find extremes of the advance at nodes without a slope; return phi1 (rad) of the extremes and numbers of the nodes.
@@ -336,6 +336,6 @@ class MeshCurve:
         """Return the nodes of an arc at which the kind of contact changes: the curve may bend sharply there."""
         fine = self.of_pair.engagement
         k = np.flatnonzero(~fine.smooth)
-        ends = np.unique(np.concatenate((fine.phi1[k], fine.phi1[k + 1])))
+        ends = distinct(np.concatenate((fine.phi1[k], fine.phi1[k + 1])))
         inner: Array = ends[(ends > arc.first + 1e-9) & (ends < arc.last - 1e-9)]
         return inner

@@ -18,7 +18,7 @@ from gearmesh.contact.engagement.curve import HARMONIC_COUNT, MeshCurve
 from gearmesh.contact.engagement.displaced import displaced_pair
 from gearmesh.contact.engagement.engagement import Engagement, whole_engagement
 from gearmesh.contact.pair import Pair
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.records import dataclass
 
 #: positions in a pitch at which the cycle is given
@@ -94,7 +94,7 @@ class Cycle:
         # the same phases as those of the gears, so that both curves coincide where the pair is ahead
         phi1, pitch = self.curve.phi1, self.curve.pitch
         turns = np.arange(np.floor(phi1[0] / pitch), np.ceil(phi1[-1] / pitch))
-        every = np.unique(np.concatenate((phi1[[0, -1]], (turns[:, None] * pitch + _phases(self.curve)).ravel())))
+        every = distinct(np.concatenate((phi1[[0, -1]], (turns[:, None] * pitch + _phases(self.curve)).ravel())))
         own = every[(every >= phi1[0]) & (every <= phi1[-1])]
         return np.stack((own, self.curve.pair.drive * self.curve.of_pair.at(own)[0] - self.reference))
 
@@ -192,7 +192,7 @@ def engagement_range(engagement: Engagement, pitch: float, cycle: Cycle | None =
 def _phases(curve: MeshCurve) -> Array:
     """Return phases (M,), rad, within a pitch: equal steps, and the bends of the curve, which steps between would cut off."""
     equal = np.linspace(0.0, curve.pitch, 4 * POSITIONS_PER_PITCH + 1)
-    return np.unique(np.concatenate((equal, np.clip(curve.marks[0], 0.0, curve.pitch))))
+    return distinct(np.concatenate((equal, np.clip(curve.marks[0], 0.0, curve.pitch))))
 
 
 def _te(engagement: Engagement, contacts: Contacts, phi1: Array) -> Array:

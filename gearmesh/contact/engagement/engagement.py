@@ -25,7 +25,7 @@ from gearmesh.contact.first_touch.field import Outlook, outlook
 from gearmesh.contact.first_touch.first_touch import first_touch, touches
 from gearmesh.contact.first_touch.search import UNSEEN_LEAD_RAD
 from gearmesh.contact.pair import EDGE_CORNER, NUMBERED_EDGES, Pair
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.records import dataclass
 
 #: nodes in a pitch
@@ -157,7 +157,7 @@ class Engagement:
             self._refine(phi1, np.concatenate((known, place)), start, np.concatenate((left[known], ends)), contacts)
         # find first touch anew where nothing was found, or where a sample of the field is ahead of the solution
         rest = ~contacts.touching
-        looked = two if self.pair.wound else np.union1d(two, np.flatnonzero(beside_line))
+        looked = two if self.pair.wound else distinct(np.append(two, np.flatnonzero(beside_line)))
         if checked and looked.size:
             seen = tooth_outlook(self.pair, phi1[looked]).best
             rest[looked[seen > contacts.advance[looked] + UNSEEN_LEAD_RAD]] = True

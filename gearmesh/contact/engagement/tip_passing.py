@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.conditions.meshing import Flank
 from gearmesh.contact.pair import Pair
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.kernel.numeric.roots import bracketed_root
 from gearmesh.kernel.numeric.splines import Polynomials, spline_through
 from gearmesh.kernel.surface.levels import station_normal
@@ -126,7 +126,7 @@ def tip_meetings(pair: Pair, reference: float) -> TipMeetings:
     with np.errstate(all="ignore"):
         # tips at a few stations decide if tips come near; near tips are compared at all columns, and whole profiles at three
         first, second = map(_tip_lines, pair.flanks, pair.tips)
-        columns = np.unique(np.rint(np.linspace(0, len(first[0].points) - 1, FEW_STATIONS)).astype(np.intp))
+        columns = distinct(np.rint(np.linspace(0, len(first[0].points) - 1, FEW_STATIONS)).astype(np.intp))
         few_points = _Points.of(first, columns)
         meetings = [_meetings(pair, reference, few_points, line, tips=True) for line in second]
         if max(met.excess.max(initial=-np.inf) for met in meetings) < -NEAR_PITCHES * abs(pair.ratio) * pair.pitch:
@@ -250,6 +250,6 @@ def _crossings(outside: Callable[[Array, NDArray[np.intp]], Array], middle: Arra
     of = np.concatenate(column)
     roots = bracketed_root(lambda at, index: outside(at, of[index]), np.concatenate(low), np.concatenate(high))
     converged = np.flatnonzero(roots.converged)
-    enclosed = np.setdiff1d(np.flatnonzero((value < 0.0).all(axis=1)), of[converged])
+    enclosed = np.setdiff1d(np.flatnonzero((value < 0.0).all(axis=1)), of[converged], assume_unique=True)
     ends = [middle[enclosed] + way * np.pi for way in (-1.0, 1.0)]
     return np.concatenate((roots.values[converged], *ends)), np.concatenate((of[converged], enclosed, enclosed))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from gearmesh.contact.flanks import analyse, solver_pair
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 
 #: rounds that find the rotation of a driving member from the driven member; each reduces the error to 1e-6 of itself
@@ -46,7 +46,7 @@ def _tooth_pairs(pair: GearPair, phi1: Array, number: Array) -> tuple[Array, Arr
         path = analyse(pair, phi1)
         return path.rotation, path.phi2, path.touching
     rotation, phi2, touching = np.empty(phi1.shape), np.empty(phi1.shape), np.zeros(phi1.shape, dtype=bool)
-    for each in np.unique(number):
+    for each in distinct(number):
         own = number == each
         path = analyse(_displaced_alike(pair, float(each)), phi1[own])
         rotation[own], phi2[own], touching[own] = path.rotation, path.phi2, path.touching

@@ -227,7 +227,7 @@ def _with_passages(engagement: Engagement, ends: Sequence[float]) -> Engagement:
         return engagement
     # divided differences with nodes close to a passage would be rounding errors
     beside = node[accepted][np.abs(phi1[node] - passage_phi1)[accepted] < MIN_DISTANCE_FROM_PASSAGE * engagement.step]
-    kept = np.setdiff1d(np.arange(len(phi1)), beside[(beside > 0) & (beside < len(phi1) - 1)])
+    kept = np.setdiff1d(np.arange(len(phi1)), beside[(beside > 0) & (beside < len(phi1) - 1)], assume_unique=True)
     fewer = Engagement(engagement.pair, phi1[kept], c.at(kept), engagement.flanks.at(kept), engagement.step)
     return _with_nodes(fewer, passage_phi1[accepted], contacts.at(accepted))
 

@@ -41,7 +41,7 @@ from gearmesh.contact.pair import (
     along_face,
     edge_number,
 )
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.surface.surface import Jet
 from gearmesh.records import dataclass
 
@@ -1062,7 +1062,7 @@ def _small_overlaps(pair: Pair, nodes: _Nodes, phi1: Array, field: _Field) -> _L
             numbers[closer.position],
             steps / CELL_PARTS,
         )
-    return cells[np.unique(numbers)].nearest()
+    return cells[distinct(numbers)].nearest()
 
 
 def _overlapping(

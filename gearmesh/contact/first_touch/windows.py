@@ -13,7 +13,7 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.records import dataclass
 
 #: nodes from the middle of a window to its rim
@@ -132,7 +132,7 @@ class Windows:
         """
         most = np.full(len(self.line), np.inf)
         known = np.isfinite(self.advance).all(axis=1) & (self.line != NO_LINE)
-        for line in np.unique(self.line[known]):
+        for line in distinct(self.line[known]):
             own = np.flatnonzero(known & (self.line == line))
             for k in range(0, own.size, WINDOWS_AT_ONCE):
                 part = own[k : k + WINDOWS_AT_ONCE]

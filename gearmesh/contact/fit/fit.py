@@ -35,7 +35,7 @@ from gearmesh.contact.fit.clearance import Clearance, tip_clearance
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.contact.pair import FILLET_PART, HAS_FILLET, PART_PAIRS, Pair
 from gearmesh.kernel.motion.rigid import MAX_SINE_OF_PARALLEL
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot, median
 from gearmesh.kernel.numeric.roots import bracketed_root, last_true
 from gearmesh.kernel.surface.nearest import tangential
 from gearmesh.records import dataclass
@@ -419,7 +419,7 @@ def _backlash(pair: GearPair, forwards: MeshCurve, backwards: MeshCurve | ImageC
     curves = forwards, backwards
     phase = np.mod(np.concatenate([curve.marks[0] for curve in curves]), pair.pitch)
     if all(curve.arcs for curve in curves):
-        phase = np.concatenate((phase, _level(curves, np.unique(np.append(phase, (0.0, pair.pitch))))))
+        phase = np.concatenate((phase, _level(curves, distinct(np.append(phase, (0.0, pair.pitch))))))
     turns = play(pair, forwards.advance(phase) + backwards.advance(phase), wound=forwards.pair.wound)
     return (float(turns.min()), float(turns.max())) if turns.size else (np.nan, np.nan)
 
@@ -436,7 +436,7 @@ def play(pair: GearPair, advances: Array, *, wound: bool) -> Array:
     turn = pair.gear.tooth.joint.cycle(pair.gear.tooth.teeth)
     if wound:
         turn = math.gcd(int(turn), pair.pinion.tooth.teeth)
-    spaces = 1.0 - float(np.median(known)) / step
+    spaces = 1.0 - median(known) / step
     whole = turn * round(spaces / turn) if math.isfinite(turn) else 0
     free: Array = -advances - step * (whole - 1.0)
     return free

@@ -5,10 +5,14 @@ Lengths are in mm, angles in rad.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+#: type of the numbers of an array
+Number = TypeVar("Number", bound=np.generic)
 
 
 #: one arc second in rad
@@ -129,11 +133,17 @@ def every_nth(indices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     return indices[(len(indices) - 1) % stride // 2 :: stride]
 
 
-def distinct(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return each of the whole numbers (...,) once, ascending, (K,). np.unique is slower because it hashes."""
+def distinct(numbers: NDArray[Number]) -> NDArray[Number]:
+    """Return each of the numbers (...,) once, ascending, (K,). np.unique is slower: it hashes, and loads masked arrays."""
     ascending = np.sort(numbers, axis=None)
-    distinct_numbers: NDArray[np.int64] = ascending[np.append(True, ascending[1:] != ascending[:-1])[: ascending.size]]
+    distinct_numbers: NDArray[Number] = ascending[np.append(True, ascending[1:] != ascending[:-1])[: ascending.size]]
     return distinct_numbers
+
+
+def median(values: Array) -> float:
+    """Return the median of finite values (...,). np.median loads masked arrays."""
+    ascending = np.sort(values, axis=None)
+    return 0.5 * float(ascending[(ascending.size - 1) // 2] + ascending[ascending.size // 2])
 
 
 def largest_known(values: Array) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearmesh.errors import NoSolutionError, Solution, Status
-from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, dot
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, distinct, dot
 from gearmesh.kernel.numeric.effort import ROOT_STEP, spend
 from gearmesh.kernel.surface.levels import Level
 from gearmesh.kernel.surface.surface import Jet, Surface
@@ -152,7 +152,7 @@ def _interpolate(surface: Surface, p: Array, stations: Array, axial: Level, star
         return start
     # rows nearest to Chebyshev points, between which polynomials interpolate well
     rows = np.abs(place[:, None] - 0.5 * (1.0 - np.cos(np.pi * np.linspace(0.0, 1.0, START_ROWS)))).argmin(axis=0)
-    if np.unique(rows).size < START_ROWS:
+    if distinct(rows).size < START_ROWS:
         return start
     at = np.broadcast_to(start, p.shape)[rows]
     curve = follow(surface, p[rows], stations[rows], axial, at)

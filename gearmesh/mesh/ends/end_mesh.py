@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, cross, dot
+from gearmesh.kernel.numeric.algebra import Array, cross, distinct, dot
 from gearmesh.records import dataclass
 from gearmesh.teeth.end_strip import EndStrip, StripPiece
 from gearmesh.teeth.region import Region
@@ -147,7 +147,7 @@ def _in_rows(strip: EndStrip, s: Sequence[tuple[Region, Array]], end: int, toler
     joined = np.concatenate(triangles)
     begins = [np.searchsorted(row.piece, np.arange(len(strip.pieces))) for row in ordered[1:]]
     lines = np.stack([numbers[start + begin] for start, begin in zip(starts[1:], begins, strict=False)], axis=1)
-    last = np.unique(ordered[-1].number[ordered[-1].number >= 0])
+    last = distinct(ordered[-1].number[ordered[-1].number >= 0])
     return EndMesh(
         count,
         _places(strip, *map(np.concatenate, zip(*new_places, strict=True))),
@@ -209,7 +209,7 @@ def _row(strip: EndStrip, sigma: list[Array], tau: float, made: int, *, first: b
 def _places(strip: EndStrip, piece: Index, sigma: Array, tau: Array) -> Array:
     """Return the points (N, 3), mm, of places on the strip."""
     points = np.empty((piece.size, 3))
-    for k in np.unique(piece).tolist():
+    for k in distinct(piece).tolist():
         points[piece == k] = strip.at(strip.pieces[k], sigma[piece == k], tau[piece == k])
     return points
 

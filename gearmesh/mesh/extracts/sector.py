@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gearmesh.errors import ArgumentError, DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.surface.levels import Level, station_normal
 from gearmesh.mesh.solid import facets_of, manifold_of
 from gearmesh.mesh.triangles import TriangleMesh, closeness, facet_normals, without_doubles
@@ -163,7 +163,7 @@ def sector(whole: TriangleMesh, member: Member, pitches: int) -> TriangleMesh:
     cut, sides = _wedge(CutSurface.of(member).rows(whole), angle)
     wedge = manifold_of(cut, dict(zip((right, left, wall), sides, strict=True)))
     vertices, triangles, origin, face = facets_of(gear ^ wedge)
-    on_cut = np.unique(triangles[np.isin(origin, (right, left))])
+    on_cut = distinct(triangles[np.isin(origin, (right, left))])
     vertices = _snap(vertices, on_cut, whole.vertices)
     triangles, kept = without_doubles(vertices, triangles, on_cut)
     origin, source = origin[kept], face[kept]
@@ -252,12 +252,12 @@ def _partners(vertices: Array, first: Index, last: Index, turn: Rigid) -> Index 
     from scipy.spatial import cKDTree
 
     near, far = _outline(first), _outline(last)
-    nodes, there = np.unique(near), np.unique(far)
+    nodes, there = distinct(near), distinct(far)
     distance, nearest = cKDTree(vertices[there]).query(turn.point(vertices[nodes]))
     if (
         len(nodes) != len(there)
         or distance.max(initial=0.0) > closeness(vertices)
-        or np.unique(nearest).size < len(there)
+        or distinct(nearest).size < len(there)
     ):
         return None
     turned = np.sort(there[nearest][np.searchsorted(nodes, near)], axis=1)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.hexahedra.grading import Spacing, uniform
 from gearmesh.mesh.hexahedra.hexes import HEX_EDGES, HexMesh
 from gearmesh.mesh.hexahedra.layers import Base, Chart, Layers, layers
@@ -218,7 +218,7 @@ def _refine_spacings(
 
 def on_breaks(tooth: Tooth, grid: HexGrid) -> HexGrid:
     """Return the grid with the nearest line moved to each seam of the flanks and to each station where they are not smooth."""
-    seams = np.unique(
+    seams = distinct(
         np.concatenate(
             [breaks(tooth.chain[FLANK_REGIONS[Side.RIGHT]]), 1.0 - breaks(tooth.chain[FLANK_REGIONS[Side.LEFT]])]
         ).round(12)
@@ -366,7 +366,7 @@ def toothed_rim(
     edges = 0 if tooth.tip_edge is None else fine.lines.edge // step
     lattices = {place: other if place else leading for place in teeth.tolist()} | {
         place: tooth_lattice(sections, replace(fine.lines, flank=fine.own[place]), chart, inner)
-        for place in np.intersect1d(teeth, list(fine.own)).tolist()
+        for place in sorted(fine.own.keys() & {*teeth.tolist()})
     }
     closed = tooth.screw is None and len(teeth) == tooth.joint.cycle(tooth.teeth)
     ends = end_names(tooth.blank.axial)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.kernel.motion.rigid import Rigid
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.records import dataclass
 
 #: corner nodes of the six faces of a hexahedron, numbered as S1 .. S6 of Abaqus and CalculiX
@@ -70,7 +70,7 @@ class HexMesh:
 
         `name`: name of the face set. Result: nodes (K,), rising, each once.
         """
-        return np.unique(self.face_outlines(name))
+        return distinct(self.face_outlines(name))
 
     def move(self, transform: Rigid) -> HexMesh:
         """Return the mesh in another frame.

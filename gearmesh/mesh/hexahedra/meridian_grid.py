@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.records import dataclass
 
@@ -192,7 +192,7 @@ class _OutlineLayout:
     def _lines(self) -> tuple[Array, Array]:
         """Return the nominal values of the lines of both directions."""
         least = NO_LENGTH_SHARE * float(np.ptp(self._points, axis=0).max())
-        first, second = (np.unique(self._nominal[:, axis]) for axis in (0, 1))
+        first, second = (distinct(self._nominal[:, axis]) for axis in (0, 1))
         return tuple(v[np.concatenate(([True], np.diff(v) > least))] for v in (first, second))  # type: ignore[return-value]
 
     @property
@@ -225,7 +225,7 @@ class _OutlineLayout:
         low, high = np.sort(self._rim_ends)
         breaks = self.breaks[along]
         pieces = [
-            self._subdivide(np.union1d(breaks[side], end), size, step)
+            self._subdivide(distinct(np.append(breaks[side], end)), size, step)
             for side, end in ((breaks <= low, low), (breaks >= high, high))
         ]
         rim = values if values[0] < values[-1] else values[::-1]

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.kernel.plane.curves import PlaneArc, PlaneCurve
 from gearmesh.mesh.hexahedra.hexahedra import ToothedRim
@@ -302,7 +302,7 @@ class _Body:
         at[quad, layer] = np.arange(len(elements))
         first = len(mesh.elements)
         everything = np.concatenate((mesh.nodes, np.concatenate((corners, middles)).reshape(-1, 3)))
-        kept = np.union1d(np.arange(len(mesh.nodes)), elements)
+        kept = distinct(np.append(np.arange(len(mesh.nodes)), elements))
         whole = np.concatenate((mesh.elements, np.searchsorted(kept, elements)))
         sets = {name: faces for name, faces in mesh.face_sets.items() if name not in ("rim", "bore")}
         for name, faces in self._faces(at, opening_of).items():
@@ -311,7 +311,7 @@ class _Body:
         own = first + np.arange(len(elements))
         element_sets = {**mesh.element_sets, body_set: np.concatenate((mesh.element_sets.get(body_set, own[:0]), own))}
         joined = HexMesh(everything[kept], whole, {}, element_sets, sets)
-        if step > 1 and np.unique(whole).size != len(kept):
+        if step > 1 and distinct(whole).size != len(kept):
             raise PiercingError
         return replace(joined, node_sets={name: joined.face_nodes(name) for name in sets})
 

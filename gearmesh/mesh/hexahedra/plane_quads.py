@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, plane_cross
+from gearmesh.kernel.numeric.algebra import Array, distinct, plane_cross
 from gearmesh.kernel.numeric.polylines import contains
 from gearmesh.records import dataclass
 
@@ -153,7 +153,7 @@ class _Refinement:
             points = np.rint(self._points / self._rounding) * self._rounding
             triangles = Delaunay(points).simplices.astype(np.int64)
             edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-            keys = np.unique(edges[:, 0] * len(points) + edges[:, 1])
+            keys = distinct(edges[:, 0] * len(points) + edges[:, 1])
             ends = np.sort(self._segments[:, :2], axis=1)
             missing = ~np.isin(ends[:, 0] * len(points) + ends[:, 1], keys)
             if not missing.any():
@@ -186,7 +186,7 @@ class _Refinement:
 
         start, end = (self._points[self._segments[missing[fixed], k]] for k in (0, 1))
         near = cKDTree(self._points).query_ball_point(0.5 * (start + end), 0.5 * np.linalg.norm(end - start, axis=-1))
-        there = np.unique(np.concatenate([np.array(found, dtype=int) for found in near]))
+        there = distinct(np.concatenate([np.array(found, dtype=int) for found in near]))
         self._remove(there[self._free[there]])
 
     def _remove(self, gone: Index) -> None:
@@ -250,7 +250,7 @@ class _Refinement:
         count = min(SEGMENTS_CHECKED, len(half))
         distance, near = self._tree.query(places[order], k=count)
         encroached = distance < half[near] * (1.0 - 1e-9)
-        divided = np.unique(near[encroached])
+        divided = distinct(near[encroached])
         fixed = np.array([self._lines[k].fixed for k in self._segments[divided, 2]], dtype=bool)
         width = np.diff(self._places[divided], axis=1)[:, 0]
         edges = np.array([self._lines[k].edges[curve] for k, curve in self._segments[divided, 2:]], dtype=int)

@@ -32,7 +32,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot, median
 from gearmesh.mesh.hexahedra.layers import Chart, Layers
 from gearmesh.records import dataclass
 from gearmesh.teeth.region import FILLET_REGIONS, FLANK_REGIONS, TIP_EDGES, Region, Side
@@ -188,7 +188,7 @@ class _Outer:
         """Return some sections (N,) with few lines s."""
         low, flank = (
             [
-                line[np.unique(np.linspace(0, len(line) - 1, TRIED_LINES).round().astype(int))][:, sections]
+                line[distinct(np.linspace(0, len(line) - 1, TRIED_LINES).round().astype(int))][:, sections]
                 for line in lines
             ]
             for lines in (self.low, self.flank)
@@ -279,7 +279,7 @@ def _least_sines(nodes: Array) -> Array:
         for first in (along[:, :-1], along[:, 1:])
         for second in (inwards[:-1], inwards[1:])
     ]
-    sense = float(np.sign(np.median(sines[0])))
+    sense = float(np.sign(median(sines[0])))
     return np.asarray((sense * np.array(sines)).min(axis=(0, 1, 2)))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearmesh.errors import DesignError
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.mesh.hexahedra.hex_quality import scaled_jacobian
 from gearmesh.mesh.hexahedra.hexahedra import (
     RIM_WHOLE_DEPTHS,
@@ -278,7 +278,7 @@ def _join(rim: ToothedRim, laid: MeridianGrid) -> _Joined:
     count, first = len(elements), len(mesh.elements)
     everything = np.concatenate((mesh.nodes, places.reshape(-1, 3)))
     # the nodes of the rim keep their numbers
-    kept = np.union1d(np.arange(len(mesh.nodes)), elements)
+    kept = distinct(np.append(np.arange(len(mesh.nodes)), elements))
     whole = np.concatenate((mesh.elements, np.searchsorted(kept, elements)))
     sets = {name: faces for name, faces in mesh.face_sets.items() if name not in ("rim", "bore")}
     for name, faces in _faces(laid, cells, first, rim.closed, step).items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.grid import on_grid
 
 Index = NDArray[np.int64]
@@ -27,7 +27,7 @@ def stations(along: Array, fixed: Array, staggered: NDArray[np.bool_]) -> tuple[
     """
     ends = np.concatenate(([0.0], fixed, [1.0]))
     knots = np.linspace(0.0, 1.0, along.shape[1])
-    knots = np.unique(np.concatenate((knots, fixed))) if fixed.size else knots
+    knots = distinct(np.concatenate((knots, fixed))) if fixed.size else knots
     # cells of each part between fixed stations: the integral of the density, rounded up
     density = _columns(along, knots)
     total = np.zeros_like(density)

@@ -21,7 +21,7 @@ from dataclasses import field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.mesh.deviation.edges import between_wedges
 from gearmesh.mesh.links.collapse import Index
 from gearmesh.mesh.links.forms import Forms
@@ -121,7 +121,7 @@ class _ToothNet(Net):
         nodes = LinkNodes(tooth, patches[0].region, st[:, 0], t, points, normals, np.concatenate(parameters))
         seams = np.concatenate([patch.nodes.t[patch.nodes.line(0.0)] for patch in patches])
         trimmed = tooth.sections(
-            np.unique(np.concatenate((np.linspace(0.0, 1.0, END_STATIONS), seams, tooth.face_breaks)))
+            distinct(np.concatenate((np.linspace(0.0, 1.0, END_STATIONS), seams, tooth.face_breaks)))
         )
 
         def place(s: Array, t: Array) -> LinkNodes:
@@ -217,7 +217,7 @@ def _place(patch: PatchMesh, k: int) -> Array:
 def _by_link(s: Array) -> list[tuple[int, Index]]:
     """Return the links that contain some of s (N,), each with the indices (K,) of these."""
     link = np.floor(0.5 * s).astype(int)
-    return [(int(k), np.flatnonzero(link == k)) for k in np.unique(link)]
+    return [(int(k), np.flatnonzero(link == k)) for k in distinct(link)]
 
 
 def _prediction(forms: Forms, links: Sequence[int]) -> Prediction:

@@ -12,7 +12,7 @@ import numpy as np
 from gearmesh.allowed import Allowed
 from gearmesh.errors import DesignError
 from gearmesh.kernel.motion.joint import REVOLUTE_JOINT, Joint
-from gearmesh.kernel.numeric.algebra import Array
+from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.kernel.numeric.effort import EffortSpentError
 from gearmesh.kernel.numeric.excess import Division, Refused
 from gearmesh.kernel.numeric.roots import last_true
@@ -265,7 +265,7 @@ def _largest_edge(tooth: Tooth, edge: TipEdge, failure: TrimError, *, on_coast: 
         tooth_of_share(share * most).sections(at)
 
     # the largest size at some stations is proved over the whole face; the station of a failure is added
-    stations, limit = np.union1d(stations_on(1.0), failure.station), 1.0
+    stations, limit = distinct(np.append(stations_on(1.0), failure.station)), 1.0
     for _ in range(MAX_EDGE_PROOFS):
         limit *= largest_trimmed(partial(trim, limit, stations), failure)
         try:
@@ -273,7 +273,7 @@ def _largest_edge(tooth: Tooth, edge: TipEdge, failure: TrimError, *, on_coast: 
             break
         except TrimError as further:
             # there is less room between the stations so far
-            failure, stations = further, np.union1d(stations, further.station)
+            failure, stations = further, distinct(np.append(stations, further.station))
         except EffortSpentError:
             # what fits at the stations fits between them but for tips that bulge
             break

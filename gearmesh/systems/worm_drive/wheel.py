@@ -22,7 +22,7 @@ from gearmesh.kernel.envelope.helicoid import Helicoid
 from gearmesh.kernel.envelope.limiting_line import area_density
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.motion.rolling import RackRoll
-from gearmesh.kernel.numeric.algebra import Array, broadcast_pair
+from gearmesh.kernel.numeric.algebra import Array, broadcast_pair, distinct
 from gearmesh.kernel.numeric.effort import THROATED_FACE, spend
 from gearmesh.kernel.surface.levels import ConeLevel, LandLevel
 from gearmesh.kernel.surface.mapped import Mapping
@@ -221,7 +221,7 @@ def prove_wheel(tooth: Tooth) -> None:
     """
     # the cheapest proof first: most widths and tips that are tried for a steep thread fail in it; lands are least where
     # the throat ends, between the stations of the whole proof
-    for stations in (FACE_PLACES, np.union1d(np.linspace(0.0, 1.0, LAND_STATIONS), tooth.face_breaks)):
+    for stations in (FACE_PLACES, distinct(np.append(np.linspace(0.0, 1.0, LAND_STATIONS), tooth.face_breaks))):
         tooth.prove_land(stations)
     _prove_generated(tooth)
     if tooth.has_loops:

@@ -24,7 +24,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.errors import DesignError, NoSolutionError
 from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric import newton
-from gearmesh.kernel.numeric.algebra import Array, dot
+from gearmesh.kernel.numeric.algebra import Array, distinct, dot
 from gearmesh.records import dataclass
 from gearmesh.systems.common.pattern.meshing_place import MeshingPlace, Moves
 from gearmesh.systems.common.pattern.targets import HalfwayLevel, gear_targets
@@ -175,8 +175,10 @@ class _Flank:
         inner = np.clip(begin, PLACE_SHARES[0], PLACE_SHARES[-1])
         for end in (PLACE_SHARES[0], PLACE_SHARES[-1]):
             steps = int(np.ceil(abs(end - inner) / MAX_SHARE_STEP)) + 1
-            places = np.union1d(
-                np.linspace(inner, end, steps), [s for s in PLACE_SHARES if min(inner, end) <= s <= max(inner, end)]
+            places = distinct(
+                np.append(
+                    np.linspace(inner, end, steps), [s for s in PLACE_SHARES if min(inner, end) <= s <= max(inner, end)]
+                )
             )
             unknowns = start
             for share in places if end > inner else places[::-1]:
