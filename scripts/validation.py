@@ -493,7 +493,7 @@ def of_calculix() -> Iterator[Line]:
             positions,
             "",
             ", ".join(parts),
-            "python scripts/load_checks.py",
+            "load_checks.py",
         )
 
 
@@ -514,7 +514,7 @@ def of_random_designs() -> Iterator[Line]:
         f"{count:,} designs",
         f"{refused} refused by a key that is set",
         f"{failures} failures",
-        "python scripts/stress.py",
+        "stress.py",
     )
 
 
@@ -531,7 +531,7 @@ PARTS: dict[str, Callable[[], Iterator[Line]]] = {
 def lines(names: list[str]) -> list[Line]:
     """The lines of some parts, or of all."""
     return [
-        replace(line, script=f"`{line.script or f'python scripts/validation.py {name}'}`")
+        replace(line, script=f"`{line.script or name}`")
         for name in names or PARTS
         for line in PARTS[name]()
     ]
