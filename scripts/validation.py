@@ -530,11 +530,7 @@ PARTS: dict[str, Callable[[], Iterator[Line]]] = {
 
 def lines(names: list[str]) -> list[Line]:
     """The lines of some parts, or of all."""
-    return [
-        replace(line, script=f"`{line.script or name}`")
-        for name in names or PARTS
-        for line in PARTS[name]()
-    ]
+    return [replace(line, script=f"`{line.script or name}`") for name in names or PARTS for line in PARTS[name]()]
 
 
 def main() -> None:

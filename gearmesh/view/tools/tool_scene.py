@@ -45,7 +45,7 @@ AXIS_STRETCHES = tuple(0.025 * step for step in range(13))
 #: length, as such a share, at which a name is rather at the other end of its axis
 OTHER_END_STRETCH = 0.06
 #: length, as such a share, that counts as much as a cell of the raster beneath a name or close to it
-COVERED_CELL_STRETCH = 0.01
+COVERED_CELL_STRETCH = 0.05
 #: opacity of a tool's working surfaces
 SHEET_OPACITY = 0.55
 #: opacity of the mesh of a tool
