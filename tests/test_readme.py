@@ -106,6 +106,13 @@ def test_scripts_that_are_named_exist(file: str) -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("file", "command"), [case for case in CASES if not is_usage(case[1])])
+@pytest.mark.sweep_cases(
+    "gearmesh/systems/cylindrical/spline/README.md-describe samples/spline.toml",
+    "gearmesh/systems/spiral_bevel/hobbing/README.md-tca samples/hypoid_face_hobbed.toml --set contact.side=pinion_convex",
+    "gearmesh/systems/spiral_bevel/hobbing/README.md-tca samples/hypoid_face_hobbed.toml --set process=face_hobbed",
+    "gearmesh/systems/straight_bevel/README.md-describe samples/straight_bevel.toml --torque 20 --speed 1000",
+    "gearmesh/systems/worm_drive/README.md-describe samples/worm_drive.toml --torque 20 --speed 1450",
+)
 def test_commands_parse_and_their_designs_load(file: str, command: str) -> None:
     assert refusal(command) == ""
 
@@ -176,6 +183,18 @@ def page_is_served_until_it_is_ended(program: tuple[str, ...], folder: Path) -> 
         assert process.wait(30) == 0 or os.name == "nt"
 
 
+def test_the_first_python_prints_what_the_readme_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The same in this process, for the sweep runs the commands, too."""
+    blocks = dict(re.findall(r"```(toml|python|text)\n(.*?)```", section("A pair of spur gears"), re.DOTALL))
+    monkeypatch.chdir(tmp_path)
+    Path("spur.toml").write_text(blocks["toml"])
+    exec(blocks["python"], {})
+    assert capsys.readouterr().out == blocks["text"]
+
+
+@pytest.mark.sweep
 def test_the_first_design_becomes_what_the_readme_says(tmp_path: Path) -> None:
     """Five lines of TOML; each command writes its file, and the Python prints what stands after it."""
     text = section("A pair of spur gears")

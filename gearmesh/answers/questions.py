@@ -229,7 +229,8 @@ class SolvedGears(GearSet):
         Examples
         --------
         >>> half_pitches = np.degrees(gears.pairs[0].pitch) * np.array([0.0, 0.5])
-        >>> tables = gears.dynamics(20.0, half_pitches)
+        >>> loaded = gears.loaded_contact(20.0, half_pitches, level="quick")
+        >>> tables = gears.dynamics(20.0, half_pitches, loaded=loaded)
         >>> tables.grid[0].mesh_stiffness.tangent_line > 1e8
         True
         """

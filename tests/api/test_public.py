@@ -282,7 +282,7 @@ def assert_speaks(answer: Result) -> None:
     assert {"save", "to_dict"} <= {*dir(answer)}
 
 
-@pytest.mark.sweep_cases("compensation", "check", "contact", "loaded", "roll", "vh")
+@pytest.mark.sweep_cases("compensation", "check", "contact", "loaded", "roll", "vh", "finite elements", "settings")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_answers_speak_for_themselves_and_save(name: str, gears: gm.Gears, tmp_path: Path) -> None:
     answer = ANSWERS[name](gears)

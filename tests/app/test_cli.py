@@ -417,6 +417,7 @@ def test_run(job: Asked, here: Path) -> None:
     assert err == "gearmesh: half way\n" + WARNED + "gearmesh: warning: no pictures here\n"
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_run_ends_as_the_check_of_the_same_design(job: Asked, here: Path) -> None:
     """It ended with 0 where the check failed, unless the gears were jammed."""
@@ -669,6 +670,7 @@ def test_the_short_list_has_the_keys_that_samples_set() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("kind", kinds())
+@pytest.mark.sweep_cases("hypoid")
 def test_describe_is_short_and_says_how_much_it_leaves_out(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # pytest-xdist sets it for its workers
     monkeypatch.delenv("COLUMNS", raising=False)

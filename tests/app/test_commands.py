@@ -83,7 +83,18 @@ def test_samples_are_listed_and_copied(here: Path) -> None:
     assert refused("sample", "spur", "-o", "nowhere") == "cannot write to nowhere: it is not a folder"
 
 
-@pytest.mark.sweep_cases("hypoid_formate", "hypoid_measured", "novikov", "zerol")
+@pytest.mark.sweep_cases(
+    "hypoid_formate",
+    "hypoid_measured",
+    "novikov",
+    "zerol",
+    "asymmetric",
+    "circular_arc",
+    "face_gear",
+    "helical_hub",
+    "spiral_bevel_geometry2",
+    "straight_bevel",
+)
 @pytest.mark.parametrize("sample", some(DESIGNS, 10))
 def test_every_sample_is_described(sample: str) -> None:
     status, out, _ = run("describe", SAMPLES / f"{sample}.toml")
@@ -98,7 +109,7 @@ def test_every_sample_is_described(sample: str) -> None:
 # ---------------------------------------------------------------- render, solid, run
 
 
-@pytest.mark.sweep_cases("gap", "pattern", "tool")
+@pytest.mark.sweep_cases("gap", "pattern", "tool", "contact", "contact_lines")
 @needs_opengl
 @pytest.mark.parametrize(
     "options",
@@ -128,6 +139,7 @@ def test_what_render_refuses(here: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", sorted(io.formats(several=True)))
+@pytest.mark.sweep_cases(".glb", ".obj", ".vtm")
 def test_both_members_go_into_one_file_as_they_mesh(suffix: str, here: Path) -> None:
     """Each under its name, the gear at its distance from the pinion."""
     file = f"pair{suffix}"

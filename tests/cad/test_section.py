@@ -70,7 +70,18 @@ def exact_lines(member: Member, z: float, count: int = DENSE) -> list[Array]:
     return [tooth.grid(region, np.linspace(0.0, 1.0, count), sections).points[:, 0, :2] for region in tooth.regions]
 
 
-@pytest.mark.sweep_cases("novikov-0.01", "novikov-1e-05")
+@pytest.mark.sweep_cases(
+    "novikov-0.01",
+    "novikov-1e-05",
+    "full-0.01",
+    "full-1e-05",
+    "keyed-0.01",
+    "relieved-0.01",
+    "relieved-1e-05",
+    "throated-1e-05",
+    "undercut-0.01",
+    "undercut-1e-05",
+)
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
 @pytest.mark.parametrize("case", CASES)
 def test_curves_are_within_the_tolerance_of_the_exact_section_both_ways(case: str, tolerance: float) -> None:
@@ -126,6 +137,7 @@ def test_area_makes_the_exact_volume(case: str, stations: int) -> None:
     assert 0.5 * (high - low) * float(weights @ areas) == pytest.approx(exact_volume(member), rel=5e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("double_helical-pinion", "internal-gear", "helical-pinion")
 @pytest.mark.parametrize(
     ("sample", "member"), [("helical", "pinion"), ("double_helical", "pinion"), ("internal", "gear"), ("rack", "rack")]

@@ -404,7 +404,7 @@ def face_names(member: Member) -> Counter[str]:
 
 
 @pytest.mark.parametrize("file", EVERY_FILE)
-@pytest.mark.sweep_cases("keyed")
+@pytest.mark.sweep_cases("keyed", "undercut")
 def test_a_fresh_process_reads_one_valid_solid(file: str, folder: Path) -> None:
     """One closed shell, every edge between two faces, and the exact volume (Gauss quadrature of exact sections)."""
     expected = members(file)
@@ -527,7 +527,15 @@ def spline(sample: str, tolerance: float = DEFAULT_TOLERANCE_MM) -> SplineTooth:
     return spline_tooth(pair_of(sample, changes).pinion.tooth, tolerance)
 
 
-@pytest.mark.sweep_cases("beveloid_crossed-1e-05", "zerol-0.001", "beveloid_crossed-0.001", "zerol-1e-05")
+@pytest.mark.sweep_cases(
+    "beveloid_crossed-1e-05",
+    "zerol-0.001",
+    "beveloid_crossed-0.001",
+    "zerol-1e-05",
+    "circular_arc-0.001",
+    "circular_arc-1e-05",
+    "helical-0.001",
+)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
 def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> None:
@@ -550,7 +558,7 @@ def test_splines_keep_their_stated_deviation(sample: str, tolerance: float) -> N
 
 
 @pytest.mark.parametrize("sample", ["helical", "beveloid_crossed", "circular_arc", "zerol"])
-@pytest.mark.sweep_cases("beveloid_crossed")
+@pytest.mark.sweep_cases("beveloid_crossed", "zerol")
 def test_borders_lie_on_the_lands_and_roots_beside_them(sample: str) -> None:
     """At any tolerance within what CAD programs take for the same point: the faces share these curves."""
     teeth, places = spline(sample, 1e-2), np.linspace(0.0, 1.0, 301)
@@ -571,6 +579,7 @@ def test_nodes_grow_with_the_sixth_root_of_the_tolerance() -> None:
     assert max(fine.deviation.values()) <= 1e-6
 
 
+@pytest.mark.sweep
 def test_last_digits_that_rounding_removes_from_one_tooth_are_in_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -709,6 +718,7 @@ def test_colours_of_parts_have_an_order_of_their_own() -> None:
     assert condense(text(1, 2)).count("STYLED_ITEM") == 2
 
 
+@pytest.mark.sweep
 def test_the_same_command_writes_the_same_bytes(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The date is that of SOURCE_DATE_EPOCH, and none else. Other processes have their test with those of all formats."""
     written(folder, GROUPS[0])

@@ -214,7 +214,7 @@ def test_other_values_take_the_place_of_what_was_derived() -> None:
     assert parse(keys).with_values({"gear.addendum": 0.9}).resolve()["gear"]["addendum"] == 0.9
 
 
-@pytest.mark.sweep_cases("hypoid_formate", "hypoid_measured", "spiral_bevel_formate")
+@pytest.mark.sweep_cases("hypoid_formate", "hypoid_measured", "spiral_bevel_formate", "hypoid_high_ratio")
 @pytest.mark.parametrize("file", some(sorted(SAMPLES.glob("*.toml")), 12), ids=lambda file: file.stem)
 def test_samples_load(file: Path) -> None:
     design = load(file)

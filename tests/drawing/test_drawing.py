@@ -59,7 +59,7 @@ def drawing(case: str) -> WorkshopDrawing:
     return gm.build(gm.load(SAMPLES / f"{sample}.toml", changes)).drawing(member)
 
 
-@pytest.mark.sweep_cases("keyed", "ring", "single", "bevel", "double helical", "rack", "worm")
+@pytest.mark.sweep_cases("keyed", "ring", "single", "bevel", "double helical", "rack", "worm", "hexagon", "spokes")
 @pytest.mark.parametrize("case", CASES)
 def test_texts_say_what_the_gear_is_and_none_lies_on_another(case: str) -> None:
     made = drawing(case)
@@ -149,6 +149,7 @@ def test_the_command_writes_a_sheet_or_says_in_one_line_why_not(tmp_path: Path) 
     assert message.startswith("--member = ring: must be one of pinion, rack")
 
 
+@pytest.mark.sweep
 def test_chamfers_of_end_faces_are_drawn_and_said() -> None:
     """In the axial section tip and root end a chamfer's width inside, where the end face is; seen along the axis there is one more
     line round all teeth."""
@@ -248,6 +249,7 @@ def rows_of(sample: str, member: str, *changes: str) -> dict[str, str]:
     return {row.words: row.value for row in facts_of(gears, gears.train.members[member]).rows}
 
 
+@pytest.mark.sweep
 def test_basic_rack_or_tool_is_a_row() -> None:
     """A hobbed gear has its basic rack [DIN 3966-1], by name where it is standard; a shaped gear its cutter."""
     standard = rows_of("helical", "gear")
@@ -287,12 +289,14 @@ def test_names_of_rows_are_large_enough_to_read() -> None:
     assert min(height for text, height in heights.items() if " " in text) >= 1.4
 
 
+@pytest.mark.sweep
 def test_intermediate_scales_fill_the_sheet() -> None:
     """No other scale of the two series, a fifth larger, would fit on A3; recommended scales stay where they do."""
     scales = {name: gm.build(gm.load(SAMPLES / f"{name}.toml")).drawing("gear").scale for name in ("helical", "hypoid")}
     assert scales == {"helical": "1:1.5", "hypoid": "1:1"}
 
 
+@pytest.mark.sweep
 def test_protuberance_and_stock_of_the_hob_are_rows() -> None:
     """They are beside the basic rack, with the design's values; teeth of internal gears are below 0."""
     own = rows_of("hob_protuberance", "pinion", "pinion.hob.stock=0.13")

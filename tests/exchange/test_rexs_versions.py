@@ -71,6 +71,7 @@ def test_tools_of_gears_by_every_relation(by: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("version", ["1.0", "1.4"])
+@pytest.mark.sweep_cases("1.4")
 def test_a_file_of_an_earlier_version_is_written_as_a_valid_one(version: str, tmp_path: Path) -> None:
     box = helical_pair(version)
     if version == "1.0":

@@ -388,6 +388,7 @@ def test_a_page_closes_at_every_step_of_an_answer(turns: int) -> None:
     assert asyncio.run(closes())
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_a_process_that_hangs_is_replaced_and_the_question_answered(
     running: Explorer, monkeypatch: pytest.MonkeyPatch
@@ -481,6 +482,7 @@ def test_values_given_with_a_kind_are_those_of_its_page() -> None:
     assert tomllib.loads(origin.text)["pinion"]["teeth"] == 23
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_interrupt_of_a_terminal_ends_all_without_a_word() -> None:
     """Ctrl-C goes to all processes of the terminal, also to the one for heavy work."""

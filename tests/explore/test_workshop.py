@@ -63,6 +63,7 @@ def figure(messages: list[dict[str, Any]], key: str, *, later: bool = False) -> 
     return next(each["value"] for each in found["meshes"][0]["figures"] if each["key"] == key)
 
 
+@pytest.mark.sweep
 def test_figures_come_first_and_what_is_known_does_not_come_again(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -123,6 +123,7 @@ def test_several_positions_are_a_folder_with_a_script(tmp_path: Path) -> None:
     assert calls.read_text().splitlines() == [f"{folder} -i position_{k}" for k in (1, 2, 3)]
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", some(["helical", "face_gear", "planetary", "spiral_bevel_basic"], 2))
 def test_default_models_resolve_the_contact_pressure(sample: str) -> None:
@@ -196,6 +197,7 @@ def test_a_pair_that_its_load_turns_back_is_reported(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize("suffix", [".msh", ".vtu"])
+@pytest.mark.sweep_cases(".msh")
 def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
     file = tmp_path / f"pair{suffix}"
     status, out, _ = run("fe", CROSSED, "-o", file, "--teeth", "1", "--json", "-", *COARSE)
@@ -242,6 +244,7 @@ def test_other_formats_hold_the_same_mesh(tmp_path: Path, suffix: str) -> None:
         (["-o", "nowhere/x.inp"], "the folder nowhere does not exist"),
     ],
 )
+@pytest.mark.sweep_cases("arguments12-rim = 500 mm: must be at most")
 def test_refusals_name_key_value_and_what_is_allowed(
     arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -587,6 +587,7 @@ def sector_equations(path: Path) -> list[dict[tuple[int, int], float]]:
 
 
 @pytest.mark.parametrize("suffix", [".bdf", ".cdb", ".k"])
+@pytest.mark.sweep_cases(".bdf", ".k")
 def test_equations_of_a_sector_let_it_turn_as_the_whole_gear(suffix: str, tmp_path: Path) -> None:
     """A rotation about the axis and a shift along it fulfil all equations, a shift across none of those across."""
     gear = gm.gear(12, module=2, face=6, helix=20).finite_elements(sector=1)

@@ -75,7 +75,7 @@ def vectors(jet: Jet) -> Array:
 
 
 @pytest.mark.parametrize("name", SURFACES)
-@pytest.mark.sweep_cases("spiral_bevel_basic pinion flank_right")
+@pytest.mark.sweep_cases("spiral_bevel_basic pinion flank_right", "spiral_bevel_basic pinion fillet_left")
 def test_partials_are_the_derivatives(name: str) -> None:
     surface, u, v = generated(name)
     jet = surface.jet(u, v)

@@ -78,6 +78,7 @@ def outside(points: Array, polygon: Array) -> Array:
 
 @SWEPT
 @pytest.mark.parametrize("case", MEMBERS)
+@pytest.mark.sweep_cases("keyed", "ring")
 def test_blank_holds_the_finished_gear_and_has_the_volume_of_pappus(case: str) -> None:
     gears, member = gears_of(case)
     blank, finished = (gears.solid(member, TOLERANCE, blank=cut) for cut in (True, False))

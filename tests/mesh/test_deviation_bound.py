@@ -111,6 +111,7 @@ def test_a_million_random_points_never_exceed_the_bound(name: str, part: str, to
     holds(name, part, tolerance, 500_000 // len(MANY), 100.0)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("hypoid-gear")
 @pytest.mark.parametrize(("name", "part"), [("spiral_bevel_basic", "pinion"), ("hypoid", "gear")])
 def test_the_bound_is_above_what_another_route_measures(name: str, part: str) -> None:
@@ -123,7 +124,14 @@ def test_the_bound_is_above_what_another_route_measures(name: str, part: str) ->
         assert found.largest <= CLOSE * measured[patch.region].facets_to_surface
 
 
-@pytest.mark.sweep_cases("face_gear-gear--0.1", "worm_drive-wheel-0.2", "internal-gear-0.1")
+@pytest.mark.sweep_cases(
+    "face_gear-gear--0.1",
+    "worm_drive-wheel-0.2",
+    "internal-gear-0.1",
+    "helical-pinion--0.2",
+    "spiral_bevel_basic-gear-0.15",
+    "spur-pinion-0.3",
+)
 @pytest.mark.parametrize(
     ("name", "part", "distance"),
     [

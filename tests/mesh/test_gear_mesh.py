@@ -75,6 +75,7 @@ def pieces_are_whole(mesh: Facets) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.sweep_cases("bevel", "chamfered", "internal")
 def test_pieces_are_those_of_the_whole(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # pieces of some teeth, and of one
     monkeypatch.setattr("gearmesh.mesh.gear_mesh.ROWS_PER_PIECE", 1000)

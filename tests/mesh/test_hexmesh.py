@@ -70,6 +70,14 @@ def off_surface(tooth: Tooth, region: Region, points: Array) -> Array:
         (["spur", "pinion.tip_rounding=0.4"], "pinion", Cells(face=2), 0.5),
     ],
 )
+@pytest.mark.sweep_cases(
+    "sample0-disc-cells0-0.45-1",
+    "sample0-disc-cells0-0.45-2",
+    "sample1-ring-cells1-0.45-2",
+    "sample2-disc-cells2-0.45-1",
+    "sample2-disc-cells2-0.45-2",
+    "sample3-pinion-cells3-0.5-2",
+)
 def test_no_corner_of_a_block_lies_on_a_smooth_outline(
     sample: list[str], member: str, cells: Cells, least: float, order: int
 ) -> None:
@@ -173,7 +181,9 @@ def test_spacing_uses_all_the_cells_there_are() -> None:
         assert (steps.max() > 2.0 * steps.min()) == (width < 0.5)
 
 
-@pytest.mark.sweep_cases("spiral_bevel_basic-1", "beveloid_parallel-1", "beveloid_parallel-2", "spiral_bevel_basic-2")
+@pytest.mark.sweep_cases(
+    "spiral_bevel_basic-1", "beveloid_parallel-1", "beveloid_parallel-2", "spiral_bevel_basic-2", "circular_arc-2"
+)
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("sample", ["beveloid_parallel", "circular_arc", "spiral_bevel_basic"])
 def test_flank_nodes_lie_on_the_exact_surface(sample: str, order: int) -> None:
@@ -340,7 +350,7 @@ def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
 
 @pytest.mark.parametrize("flank", ["right", "left"])
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "spiral_bevel_basic"])
-@pytest.mark.sweep_cases("beveloid_crossed-left")
+@pytest.mark.sweep_cases("beveloid_crossed-left", "beveloid_crossed-right", "spiral_bevel_basic-left")
 def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     key = "contact.flank" if sample.startswith("beveloid") else "contact.side"
     value = flank if sample.startswith("beveloid") else {"right": "pinion_convex", "left": "pinion_concave"}[flank]

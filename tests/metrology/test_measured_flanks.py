@@ -74,6 +74,7 @@ def test_a_grid_reads_back_to_the_last_digit(spur: gm.Gears, suffix: str, tmp_pa
     np.testing.assert_allclose(feet.distances, 0.01, atol=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "member"),
     [

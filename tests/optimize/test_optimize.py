@@ -269,6 +269,7 @@ WORDS = (
 )
 
 
+@pytest.mark.sweep
 def test_command_goes_on_where_it_was_stopped(tmp_path: Path) -> None:
     """The same bytes of twice the same command, of a stopped one, and of one whose designs another objective had found."""
     design, out = tmp_path / "small.toml", tmp_path / "out"

@@ -28,7 +28,7 @@ MOVED = ["hypoid", "spiral_bevel_geometry1", "helical", "internal", "face_gear",
 
 
 @pytest.mark.parametrize("sample", [*MOVED, "circular_arc"])
-@pytest.mark.sweep_cases("novikov")
+@pytest.mark.sweep_cases("novikov", "beveloid_parallel", "internal", "spiral_bevel_geometry1")
 def test_members_of_many_assemblies_stand_where_each_design_puts_them(sample: str) -> None:
     design = gm.load(SAMPLES / f"{sample}.toml")
     moved = system(design.kind).displacements
@@ -103,6 +103,7 @@ def test_what_paths_alone_tell_is_near_what_the_cycle_does() -> None:
     assert study.rows["surface_te_peak_to_peak_arcsec"][row] > 0.0
 
 
+@pytest.mark.sweep
 def test_contact_that_goes_on_at_an_edge_adds_nothing_to_the_estimate() -> None:
     """Cubics from a line of contact to an edge rise above it: 270 arcsec where five or six pairs carry without error."""
     wide = {"kind": "cylindrical", "module": 3, "helix_angle": 45, "backlash": 0.1}
@@ -116,6 +117,7 @@ def test_contact_that_goes_on_at_an_edge_adds_nothing_to_the_estimate() -> None:
     assert row["mesh_te_estimate_arcsec"][0] == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.sweep
 def test_estimate_of_crowned_spur_gears_is_that_of_the_cycle() -> None:
     """Without crowning contact is a line up to the tips: cubics made 16 arcsec of nothing, and crowning seemed to help."""
     teeth = {"pinion": {"teeth": 20, "face_width": 6}, "gear": {"teeth": 31, "face_width": 6}}
@@ -261,7 +263,9 @@ def test_the_command_writes_tables_and_figures(tmp_path: Path) -> None:
         ),
     ],
 )
-@pytest.mark.sweep_cases("words11---workers = 0: must be")
+@pytest.mark.sweep_cases(
+    "words11---workers = 0: must be", "words10-contact_ratio>1: not recorded", "words9-did you mean contact_ratio?"
+)
 def test_what_the_command_cannot_do_is_one_line(words: list[str], said: str) -> None:
     assert re.search(said, refused("study", CROSSED, *words))
 

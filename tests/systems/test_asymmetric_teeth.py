@@ -55,6 +55,7 @@ def cylindrical(keys: dict[str, Any], **more: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     "keys", [with_helix(0.0), with_helix(15.0), with_helix(10.0, gear=RING)], ids=["spur", "helical", "ring"]
 )
+@pytest.mark.sweep_cases("helical-left", "helical-right", "ring-left", "ring-right", "spur-left")
 def test_both_sides_are_conjugate_without_backlash_at_the_distance_of_both(keys: dict[str, Any], flank: str) -> None:
     summary = built({**keys, "contact": {"flank": flank}}).contact([-6.0, 0.0, 6.0]).summary
     assert summary["te_peak_to_peak_arcsec"] < 1e-9 * 3600.0
@@ -211,7 +212,7 @@ CYLINDERS: dict[str, dict[str, Any]] = {
     [("external", "right"), *((name, "left") for name in CYLINDERS)],
     ids=["drive", *CYLINDERS],
 )
-@pytest.mark.sweep_cases("shaped", "hob", "formed")
+@pytest.mark.sweep_cases("shaped", "hob", "formed", "drive", "external", "internal")
 def test_cylindrical_gears_are_conjugate_with_the_backlash_of_their_sheet(name: str, flank: str) -> None:
     gears = built({**CYLINDERS[name], "contact": {"flank": flank}})
     summary = gears.contact([-2.0, 1.0]).summary
@@ -221,6 +222,7 @@ def test_cylindrical_gears_are_conjugate_with_the_backlash_of_their_sheet(name: 
     assert summary["backlash_normal_min_mm"] == pytest.approx(wanted, abs=1e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("flank", ["right", "left"])
 @pytest.mark.sweep_cases("left")
 def test_planets_touch_the_ring_with_their_other_flanks(flank: str) -> None:
@@ -244,7 +246,7 @@ def flanks_and_fillets(keys: dict[str, Any], name: str, side: Side, sign: float)
 
 
 @pytest.mark.parametrize("name", ["external", "shaped", "hob", "internal"])
-@pytest.mark.sweep_cases("shaped", "hob")
+@pytest.mark.sweep_cases("shaped", "hob", "internal")
 def test_coast_side_is_the_drive_side_of_the_mirrored_pair(name: str) -> None:
     keys = CYLINDERS[name]
     normal = built(keys).sheet().plain_tables["Backlash"]["j_bn_coast"][2]
@@ -265,7 +267,7 @@ ROUNDED: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("name", ROUNDED)
-@pytest.mark.sweep_cases("shaped", "formed", "internal", "rack")
+@pytest.mark.sweep_cases("shaped", "formed", "internal", "rack", "external", "hob", "symmetric")
 def test_each_side_has_the_rounding_of_its_own_side_of_the_tool(name: str) -> None:
     """Fillets of a side are those of a tool with the rounding of that side on both; the flanks run as before."""
     keys, member = ROUNDED[name]
@@ -302,6 +304,7 @@ def test_each_side_has_the_rounding_of_its_own_side_of_the_tool(name: str) -> No
         ("formed", "tool_tip_radius", (1.2, 0.2)),
     ],
 )
+@pytest.mark.sweep_cases("formed-coast_tool_tip_radius-radii2")
 def test_the_rounding_without_room_is_refused_with_the_largest_beside_the_other(
     name: str, key: str, radii: tuple[float, float]
 ) -> None:
@@ -337,6 +340,7 @@ def test_equal_angles_are_symmetric_cylindrical_teeth() -> None:
 
 
 @pytest.mark.parametrize("name", ["external", "internal"])
+@pytest.mark.sweep_cases("internal")
 def test_a_ball_touches_both_flanks_of_a_helical_space(name: str) -> None:
     """The distance of its centre from both exact flanks is its radius."""
     gears = built(CYLINDERS[name])
@@ -360,6 +364,7 @@ def test_a_ball_touches_both_flanks_of_a_helical_space(name: str) -> None:
     assert [2.0 * gap for gap in found.values()] == pytest.approx([diameter] * 2, abs=1e-3)
 
 
+@pytest.mark.sweep
 def test_sheet_says_both_sides_and_what_asymmetric_teeth_do_not_have() -> None:
     fixed = {"profile_shift": 0.1, "tip_alteration": 0.0, "tool_tip_radius": 0.3}
     members = {name: {**CYLINDER[name], **fixed} for name in ("pinion", "gear")}
@@ -428,6 +433,7 @@ def test_tangents_of_30_deg_are_those_of_each_side() -> None:
     assert one["rho_F"][0] == pytest.approx(alike["rho_F"][0], rel=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["external", "internal", "rack", "beveloid ring"])
 @pytest.mark.sweep_cases("rack", "beveloid ring")
 def test_each_side_has_the_tip_edge_of_its_own_size(name: str) -> None:
@@ -464,6 +470,7 @@ def test_the_tip_edge_without_room_is_refused_beside_the_other() -> None:
         gm.parse({**CYLINDER, "pinion": {**CYLINDER["pinion"], "coast_tip_edge": 0.2}})
 
 
+@pytest.mark.sweep
 def test_beveloid_members_of_cone_angle_0_have_the_tolerances_of_cylindrical_gears() -> None:
     keys = {**cylindrical(with_helix(10.0)), "accuracy_class": 7}
     of_cylinders = built(keys).sheet().plain_tables[TOLERANCES]

@@ -136,7 +136,7 @@ def test_a_keyway_without_a_size_goes_by_the_bore(keyway: str, bore: str, size: 
 
 
 @pytest.mark.parametrize("case", GEARS)
-@pytest.mark.sweep_cases("conical")
+@pytest.mark.sweep_cases("conical", "all", "no bore", "no web")
 def test_webs_and_holes_make_solids_of_the_right_volume(case: str) -> None:
     member, expected = gear(case)
     tolerance = 2e-3
@@ -170,6 +170,7 @@ def test_bodies_without_them_have_the_regions_that_they_had() -> None:
     assert BODY_REGIONS[-1] == "rim"
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("no web")
 @pytest.mark.parametrize("case", some(GEARS, 2))
 def test_webs_and_holes_are_in_step_files(case: str, tmp_path: Path) -> None:
@@ -199,6 +200,7 @@ def test_webs_and_holes_are_in_step_files(case: str, tmp_path: Path) -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("case", ["all", "no web"])
+@pytest.mark.sweep_cases("all")
 def test_sections_show_webs_and_holes(case: str) -> None:
     """Their areas, above, in and below the web, make the volume of the face."""
     member, _ = gear(case)

@@ -213,7 +213,7 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
     assert meshed[0].volume - meshed[1].volume == pytest.approx(expected, rel=1e-2)
 
 
-@pytest.mark.sweep_cases("ring with steps")
+@pytest.mark.sweep_cases("ring with steps", "hexagon of a bevel wheel")
 @pytest.mark.parametrize(
     "case",
     swept(
@@ -445,12 +445,17 @@ REFUSED = [
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("sample", "name", "keys", "line"), REFUSED)
+@pytest.mark.sweep_cases(
+    "rack-rack-keys18-leaves no rim at the roots; allowed is at least 2.25 mm of rim",
+    "spur-gear-keys7-gear.spokes.inner_diameter = 1 mm: allowed is at least 22.4",
+)
 def test_what_does_not_fit_is_refused_with_the_figure(sample: str, name: str, keys: list[str], line: str) -> None:
     with pytest.raises(DesignError) as refusal:
         member(sample, name, *keys)
     assert line in str(refusal.value)
 
 
+@pytest.mark.sweep
 def test_end_chamfers_of_double_helical_racks_keep_off_the_holes() -> None:
     """The bound is that of the same rack in one piece."""
     stub = ["addendum=0.3", "dedendum=0.4", "bolts={count=6,diameter=5,height=19.2}"]
@@ -497,6 +502,18 @@ BOUNDS = [
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("sample", "name", "others", "key", "value", "word"), BOUNDS)
+@pytest.mark.sweep_cases(
+    "face_gear-gear-others7-spokes={count=6,width=30,outer_diameter=%s}-1000-at most",
+    "internal-gear-others15-toe_bore={diameters=[%s],lengths=[5]}-153-at least",
+    "internal-gear-others16-bolts={count=4,diameter=6,circle=%s}-156-at least",
+    "internal-gear-others17-bolts={count=4,diameter=%s}-19-at most",
+    "internal-gear-others18-holes={count=4,circle=157,diameter=%s}-7-them,",
+    "spiral_bevel_basic-gear-others20-web={thickness=9,rim_diameter=%s}-170-roots,",
+    "spiral_bevel_basic-gear-others21-bolts={count=6,diameter=4,depth=10,circle=%s}-163-at most",
+    "spur-gear-others22-end_rounding_heel=%s-9-at most",
+    "spur-gear-others5-spokes={count=6,width=8,outer_diameter=%s}-900-at most",
+    "spur-gear-others6-spokes={count=6,width=4,inner_diameter=%s}-1-at least",
+)
 def test_the_figure_of_a_refusal_is_the_first_that_works(
     sample: str, name: str, others: list[str], key: str, value: float, word: str
 ) -> None:
@@ -517,6 +534,7 @@ def test_the_figure_of_a_refusal_is_the_first_that_works(
     assert refused(bound + way * 1e-3 * bound) is not None
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "keys",
     [

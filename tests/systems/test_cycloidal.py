@@ -144,6 +144,7 @@ def test_area_is_the_integral_along_the_lobes() -> None:
     assert 19 * abs(quad(rate, 0.0, 2.0 * np.pi, epsabs=1e-12)[0]) == pytest.approx(lobe_area(own, 5.0), rel=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("offset", "turned", "disc, offset", "disc, turned")
 @pytest.mark.parametrize(
     ("form", "overrides"),
@@ -162,6 +163,7 @@ def test_lost_motion_is_the_closed_form_in_the_best_place(form: str, overrides: 
     assert closed * (1.0 - 2e-4) < contact["backlash_min_deg"] < closed * 1.02
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("4 lobes", "pins in disc")
 @pytest.mark.parametrize(
     ("form", "teeth", "sizes", "rotation"),
@@ -453,6 +455,7 @@ def several(discs: int, *overrides: str) -> Any:
         (3, ("disc.teeth=18", "output.pins=5", 'form="pins_in_disc"')),
     ],
 )
+@pytest.mark.sweep_cases("2-keys0", "3-keys2")
 def test_output_holes_of_all_discs_are_in_line(discs: int, keys: tuple[str, ...]) -> None:
     """Seen from the output pins, whose axes are an eccentricity from those of the holes, at any rotation."""
     gears = gm.build(several(discs, "output.pin_diameter=6", *keys))
@@ -507,6 +510,7 @@ def two_discs(*overrides: str) -> Any:
     return gm.build(several(2, *keys, *overrides))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("ahead", [0.0, 0.004])
 def test_contact_has_the_error_and_the_backlash_of_both_discs(ahead: float) -> None:
     """Against the first touch of both discs on either side, which contact under load begins with."""
@@ -658,6 +662,7 @@ def test_a_disc_that_fits_as_its_copy_is_told() -> None:
         assert row[-1] == same, (teeth, pins)
 
 
+@pytest.mark.sweep
 def test_output_pins_stand_in_the_holes_of_both_discs() -> None:
     """A pin that has half of the clearance on one side reaches every hole from inside, at any rotation."""
     gears = gm.build(several(2, "output.clearance=0.04", "assembly.dx=0.01"))
@@ -695,6 +700,7 @@ def test_gears_at_rest_touch_with_the_pin_that_touches_first() -> None:
     assert at_rest == pytest.approx(beside, abs=1e-7)
 
 
+@pytest.mark.sweep
 def test_a_drive_has_the_ratio_of_its_eccentric() -> None:
     """The card had 1.05, the ratio of the teeth with the arm at rest. Reference: the disc rolls inside of the ring, by hand."""
     gears = gm.build(design("ring.teeth=20", "disc.teeth=18", "pin_diameter=6"))

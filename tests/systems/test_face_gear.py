@@ -138,6 +138,7 @@ def test_shaper_touches_flank_and_fillet_and_never_cuts_in(angle: float, tip_rad
     ],
     ids=" ".join,
 )
+@pytest.mark.sweep_cases("backlash=0.2", "shaft_angle=110", "shaft_angle=80 contact.flank=left")
 def test_aligned_pair_turns_uniformly_and_its_normals_pass_through_the_pitch_point(overrides: tuple[str, ...]) -> None:
     given = design(*overrides)
     path = analyse(pair_of(given), PHI1)
@@ -176,6 +177,7 @@ def test_shaper_like_the_pinion_gives_lines_of_contact() -> None:
 
 @pytest.mark.parametrize("key", ["dE", "dq"])
 @pytest.mark.parametrize("error", [-0.1, 0.1])
+@pytest.mark.sweep_cases("-0.1-dq", "0.1-dE")
 def test_parallel_shift_moves_the_path_by_the_mesh_of_shaper_and_pinion(key: str, error: float) -> None:
     """Shaper and pinion stay in mesh at another centre distance: their line of action turns, and with it the path."""
     given = design(f"assembly.{key}={error}")
@@ -193,6 +195,7 @@ def test_parallel_shift_moves_the_path_by_the_mesh_of_shaper_and_pinion(key: str
 
 @pytest.mark.quick
 @pytest.mark.parametrize("error", [-0.03, 0.05])
+@pytest.mark.sweep_cases("0.05")
 def test_change_of_the_shaft_angle_against_explicit_surfaces(error: float) -> None:
     """Both flanks written out as points, tangents by differences; the contact by a general solver."""
     given = design(f"assembly.d_gamma={error}")
@@ -250,6 +253,7 @@ def shaped_tooth(*overrides: str) -> tuple[ShapedGear, Tooth, tuple[float, float
     return shaped, pair_of(given).gear.tooth, limits
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("90.0-0.15", "80.0-0.0")
 @pytest.mark.parametrize(("angle", "tip_radius"), [(80.0, 0.0), (90.0, 0.15), (110.0, 0.0)])
 def test_limits_by_closed_form_by_the_trimmed_sections_and_by_the_surface(angle: float, tip_radius: float) -> None:

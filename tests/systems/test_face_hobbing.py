@@ -207,6 +207,7 @@ def test_jets_of_swept_edges_agree_with_differences() -> None:
 
 
 @pytest.mark.parametrize("pair", ["right_angle", "obtuse"])
+@pytest.mark.sweep_cases("obtuse")
 def test_faces_of_blades_contain_the_pole(pair: str) -> None:
     """Pole: the point about which cutter and crown gear turn against each other."""
     for side, _ in sides_of(teeth_of(pair)):
@@ -219,6 +220,7 @@ def test_faces_of_blades_contain_the_pole(pair: str) -> None:
 
 
 @pytest.mark.parametrize("pair", ["right_angle", "obtuse", *SYNTHESISED])
+@pytest.mark.sweep_cases("bevel_formate", "hypoid", "right_angle")
 def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
     """No blade comes nearer than the flank, over rotation and roll; one blade touches it."""
     for side, _ in sides_of(synthesised_teeth(pair) if pair in SYNTHESISED else teeth_of(pair)):
@@ -261,6 +263,7 @@ def test_flanks_that_are_not_generated_are_the_traces_of_the_blades(pair: str) -
             assert np.abs((change / (2.0 * step) * jet.n).sum(axis=-1)).max() < 1e-7
 
 
+@pytest.mark.sweep
 def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
     """Without offset both root lines are parallel: local synthesis finds the gear's own head in the gear's place."""
     design = synthesised_design("bevel_formate")
@@ -286,6 +289,7 @@ def test_conjugate_pinion_of_a_formed_gear_is_cut_in_the_cradle() -> None:
         assert np.abs(path.phi2 - mesh.ratio * path.phi1 - path.phi2[3]).max() < 1e-9
 
 
+@pytest.mark.sweep
 def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
     """Local synthesis of its contact finds the gear's place again, with both crownings, and the lag and ellipse asked for."""
     values = {**BASIC, "process": "face_hobbed_formate", "depth_factor": 1.85}
@@ -331,6 +335,7 @@ def test_crowned_gear_head_cuts_pinion_in_place_of_gear() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("values", [MANY_TEETH, LARGE_OFFSET], ids=["many_teeth", "large_offset"])
+@pytest.mark.sweep_cases("large_offset-concave", "large_offset-convex", "many_teeth-concave")
 def test_pinion_of_formed_gear_is_good(values: dict[str, Any], name: str) -> None:
     """Cut the pinion by the gear's head with modified roll. Its blades are nearly straight."""
     gears = gm.build(gm.parse({**values, "process": "face_hobbed_formate", "contact": {"side": f"pinion_{name}"}}))
@@ -359,6 +364,7 @@ def test_formed_pair_near_ratio_one_is_good(name: str) -> None:
 
 
 @pytest.mark.parametrize("pair", SYNTHESISED)
+@pytest.mark.sweep_cases("hypoid", "hypoid_formate")
 def test_synthesised_pinion_has_the_contact_that_its_design_asks_for(pair: str) -> None:
     """Local synthesis is exact: axis of the ellipse, and derivative of the ratio."""
     teeth = synthesised_teeth(pair)
@@ -377,6 +383,7 @@ def test_synthesised_pinion_has_the_contact_that_its_design_asks_for(pair: str) 
 
 
 @pytest.mark.parametrize("pair", SYNTHESISED[:2])
+@pytest.mark.sweep_cases("hypoid")
 def test_given_machines_make_the_same_flanks(pair: str) -> None:
     design = synthesised_design(pair)
     given = gm.build(design).sheet().apply()
@@ -390,6 +397,7 @@ def test_given_machines_make_the_same_flanks(pair: str) -> None:
 @pytest.mark.parametrize(
     "pair", ["right_angle", "obtuse", *(pytest.param(pair, marks=pytest.mark.sweep) for pair in ("miter", "acute"))]
 )
+@pytest.mark.sweep_cases("obtuse")
 def test_one_crown_gear_makes_conjugate_pairs(pair: str) -> None:
     """Line contact, and a transmission error below 1e-9 rad, on both sides."""
     for name in NAMES:
@@ -432,6 +440,7 @@ def test_members_yield_beside_the_lines_of_their_crown_gear(least: float, most: 
         assert own > least
 
 
+@pytest.mark.sweep
 def test_pinion_of_many_teeth_has_the_lag_of_its_design() -> None:
     """Half a pitch of 38 teeth is short: the members yield as much beside the crown gear's lines as on the path."""
     for name in NAMES:
@@ -549,6 +558,7 @@ def test_blanks_of_designs_are_those_of_the_samples_of_iso_23509(name: str, adde
     assert found == pytest.approx({symbol: wanted[symbol] for symbol in found}, rel=largest)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("method", [2, pytest.param(3, marks=pytest.mark.sweep)])
 def test_basic_data_of_methods_of_face_hobbing_make_a_pair(method: int) -> None:
     """Tooth numbers, module, offset and method: the gear's spiral angle, and flanks that touch."""
@@ -581,6 +591,7 @@ def test_ease_off_of_hypoid_pairs_is_refused() -> None:
     assert refusal.value.key == "contact.ease_off"
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("sample", ["cyclo_palloid", pytest.param("hypoid_face_hobbed", marks=pytest.mark.sweep)])
 def test_solids_of_samples_touch_and_do_not_overlap(sample: str, name: str) -> None:
@@ -640,6 +651,7 @@ FEW_TEETH: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("pair", ["11_47", pytest.param("12_17", marks=pytest.mark.sweep)])
+@pytest.mark.sweep_cases("11_47-concave")
 def test_blades_of_few_teeth_touch_where_the_path_is_long_enough(pair: str, name: str) -> None:
     """With the touch in the middle of the depth the path ended at the pinion's tip before the next pair begins."""
     gears = gm.build(gm.parse({**BASIC, **FEW_TEETH[pair], "contact": {"side": f"pinion_{name}"}}))

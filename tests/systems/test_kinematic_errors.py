@@ -141,6 +141,7 @@ def test_displacement_along_the_crown_gear_axis_is_the_axial_ones_together() -> 
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids="-".join)
+@pytest.mark.sweep_cases("spiral_bevel_abdullah_curved-left-pinion_convex", "spiral_bevel_geometry2-left-pinion_convex")
 def test_eccentricity(pair: tuple[str, str, str]) -> None:
     _, teeth, path, contact = nominal(*pair)
     phases = np.radians([50.0, -120.0])
@@ -165,6 +166,7 @@ def test_eccentricity(pair: tuple[str, str, str]) -> None:
     np.testing.assert_allclose(sum(waves), form.at(t1, t2), rtol=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("pinion")
 @pytest.mark.parametrize("member", ["pinion", "gear"])
 def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
@@ -190,6 +192,7 @@ def test_roll_and_start_values_follow_an_eccentric_member(member: str) -> None:
 
 
 @pytest.mark.parametrize("flank", ["right", "left"])
+@pytest.mark.sweep_cases("left")
 def test_spur_gears(flank: str) -> None:
     same = ["pinion.teeth=30", "gear.teeth=30", "pinion.profile_shift=0", "gear.profile_shift=0"]
     gears = pair_of(load(SAMPLES / "spur.toml", [*same, f"contact.flank={flank}"]))

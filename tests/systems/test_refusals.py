@@ -24,11 +24,18 @@ def _some() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("kind", "key"), _some())
+@pytest.mark.sweep_cases(
+    "cylindrical-gear.modifications_left.helix_slope",
+    "cylindrical-pressure_angle",
+    "rack-rack.modifications_left.triangular_end_relief_tip.length",
+)
 def test_bounds_are_values_of_the_key_that_build(kind: str, key: str) -> None:
     assert faults(kind, key) == []
 
 
-@pytest.mark.sweep_cases("worm_drive-center_distance-120.0")
+@pytest.mark.sweep_cases(
+    "worm_drive-center_distance-120.0", "circular_arc-pinion.bolts.circle-4.2", "planetary-ring.tip_diameter-2.4"
+)
 @pytest.mark.parametrize(
     ("kind", "key", "value"),
     [
@@ -70,6 +77,7 @@ def test_bounds_that_were_of_something_else(kind: str, key: str, value: float) -
         ("pinion.modifications.helix_crowning", 2.0, 0.5),
     ],
 )
+@pytest.mark.sweep_cases("pinion.addendum-4.0-1.5102")
 def test_bounds_are_of_the_key_and_not_of_what_follows_from_it(key: str, value: float, bound: float) -> None:
     """A tip diameter was stated for an addendum that is too large; a tip far beyond the pointed tooth was accepted."""
     cls = design_class("cylindrical")

@@ -172,6 +172,7 @@ def test_tolerances_of_din_5480_are_steps_of_its_tables() -> None:
     assert din5480.tolerance(12, "v", 10.0, 500.0).total == pytest.approx(0.360)
 
 
+@pytest.mark.sweep
 def test_limits_of_din_5480_are_effective_and_actual() -> None:
     gears = spline(designation="DIN 5480 W 45x2x21 8f / N 9H")
     basic = math.pi + 4.0 * 0.2 * math.tan(math.pi / 6)
@@ -236,7 +237,13 @@ def test_bodies_of_splines_are_coupled_all_round(teeth: int, reach: int) -> None
 
 
 @pytest.mark.sweep_cases(
-    "DIN 5480 W 120x3x38", "ISO 4156 INT/EXT 24z x 2.5m x 30P x 7H/7d", "ANSI B92.1 24T 12/24P 30 flat"
+    "DIN 5480 W 120x3x38",
+    "ISO 4156 INT/EXT 24z x 2.5m x 30P x 7H/7d",
+    "ANSI B92.1 24T 12/24P 30 flat",
+    "ANSI B92.1 20T 16/32P 37.5 fillet",
+    "ANSI B92.1 36T 24/48P 45 fillet",
+    "ISO 4156 INT/EXT 24z x 1m x 37.5R x 5H/5h",
+    "ISO 4156 INT/EXT 32z x 0.5m x 45R x 6H/6f",
 )
 @pytest.mark.parametrize(
     "text",
@@ -294,6 +301,7 @@ def rigid_gaps(gears: gm.Gears) -> Array:
     return (max(advances) - np.array(advances)) * base
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("crowning", [0.0, 0.008])
 def test_gaps_of_a_tilted_hub_are_those_of_rigid_flanks(crowning: float) -> None:
     gears = spline(
@@ -307,6 +315,7 @@ def test_gaps_of_a_tilted_hub_are_those_of_rigid_flanks(crowning: float) -> None
     assert np.abs(gaps - rigid_gaps(gears)).max() < 2e-6
 
 
+@pytest.mark.sweep
 def test_run_out_into_a_thicker_shaft() -> None:
     gears = spline(shaft={"heel_shaft": {"diameters": [48], "lengths": [10]}, "run_out_radius": 30.0})
     solid = gears.solid("shaft", tolerance=0.05)
@@ -387,6 +396,7 @@ def test_tolerances_of_b92_1_are_rows_of_its_table(
                 assert found.effective == 0.0
 
 
+@pytest.mark.sweep
 def test_sheets_have_the_tolerances_of_b92_1() -> None:
     """Effective sizes at the maximum of material are the basic ones; T is the machining tolerance alone."""
     for number, factor in ((4, 0.71), (7, 2.0)):

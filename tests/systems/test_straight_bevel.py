@@ -55,6 +55,7 @@ def test_blank_of_the_sample_is_that_of_the_closed_forms() -> None:
 
 
 @pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.sweep_cases("right_angle")
 def test_octoid_is_where_the_pitch_line_projects_on_the_plane(
     built: dict[tuple[str, str], gm.Gears], pair: str
 ) -> None:
@@ -105,7 +106,7 @@ def test_spherical_involute_unrolls_from_its_base_cone(
         assert np.abs(found - wanted).max() < 1e-12
 
 
-@pytest.mark.sweep_cases("right_angle-spherical_involute", "obtuse-octoid")
+@pytest.mark.sweep_cases("right_angle-spherical_involute", "obtuse-octoid", "obtuse-spherical_involute")
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("pair", PAIRS)
 def test_aligned_pairs_are_conjugate_and_have_their_backlash(

@@ -138,6 +138,7 @@ def disk_section(thread: WormThread, width: Callable[[float, float], float], rad
 
 
 @pytest.mark.parametrize("form", ["ZK", "ZC"])
+@pytest.mark.sweep_cases("ZC")
 def test_ground_flanks_are_what_the_disk_leaves(form: str) -> None:
     thread = worm_thread(drive(f"worm.form={form}", "worm.disk_diameter=150"))
     assert thread.grinding is not None
@@ -159,6 +160,7 @@ def test_ground_flanks_are_what_the_disk_leaves(form: str) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@pytest.mark.sweep_cases("ZC")
 def test_jets_of_threads_and_wheels(form: str) -> None:
     """Derivatives by differences, and normals across both."""
     design = drive(f"worm.form={form}", OVERSIZED, "worm.right_hand=false")
@@ -193,6 +195,12 @@ def test_jets_of_threads_and_wheels(form: str) -> None:
         ["hob.threads=1"],
     ],
     ids=str,
+)
+@pytest.mark.sweep_cases(
+    "['hob.threads=1']",
+    "['worm.dual_lead=0.02']",
+    "['worm.form=ZA', 'worm.right_hand=false', 'shaft_angle=80', 'hob.reference_diameter=63']",
+    "['worm.form=ZN', 'hob.threads=3', 'hob.reference_diameter=90']",
 )
 def test_the_hob_touches_every_point_of_the_wheel_and_cuts_into_none(changes: list[str]) -> None:
     """Brute force: distance of the wheel's points from the hob in every position of the roll, by the axial section of its
@@ -265,6 +273,7 @@ def angles_left_by_sweep(design: Any, side: Side, points: Array) -> tuple[Array,
     return best, float(np.sign(sense))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("ZN-5-6.5-24--0.5", "ZI-4-8-30--0.3", "ZC-3-10-18-0.0")
 @pytest.mark.parametrize(
     ("form", "threads", "quotient", "teeth", "shift"),

@@ -96,6 +96,7 @@ SETTINGS = (
 )
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("changes", some(SETTINGS, 2))
 @pytest.mark.sweep_cases("changes3")
 def test_a_fly_cutter_fed_along_the_hobs_axis_leaves_the_wheel(changes: list[str]) -> None:
@@ -116,6 +117,7 @@ def test_a_fly_cutter_fed_along_the_hobs_axis_leaves_the_wheel(changes: list[str
         np.testing.assert_allclose(least(cut, ways, 0.1), 0.0, rtol=0, atol=LEFT)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("changes", some(SETTINGS, 1))
 def test_a_hob_fed_towards_the_wheel_takes_nothing_on_its_way(changes: list[str]) -> None:
     """At every distance, the whole thread in every position of the roll stays clear of the flanks, the farther the more."""
@@ -169,6 +171,7 @@ def test_backlash_is_the_same_by_either_member(form: str) -> None:
     assert np.ptp(ways) < 1e-9
 
 
+@pytest.mark.sweep
 def test_a_hob_that_stands_deeper_leaves_more_backlash() -> None:
     """Normal backlash grows by 2 e sin(alpha_n) for a hob that stands deeper by e, at 20 deg. The hob is larger than the worm,
     so that contact stays near the pitch point."""
@@ -221,6 +224,7 @@ def test_hobs_that_cannot_be_are_refused(changes: list[str], message: str, monke
 
 @pytest.mark.parametrize("right_hand", [True, False])
 @pytest.mark.parametrize("shaft_angle", [70.0, 90.0, 115.0])
+@pytest.mark.sweep_cases("90.0-False", "90.0-True")
 def test_worm_and_wheel_touch_in_their_pitch_point_by_default(shaft_angle: float, right_hand: bool) -> None:
     """Without a centre distance: both move alike across the thread where the reference cylinder meets the common perpendicular."""
     keys = {"kind": "worm_drive", "module": 4, "shaft_angle": shaft_angle, "wheel": {"teeth": 33}}
@@ -325,6 +329,7 @@ def test_a_stated_swivel_keeps_a_hob_of_the_worms_normal_module() -> None:
     "values", [{"hob.reference_diameter": 72.0}, {"hob.threads": 3, "hob.reference_diameter": 90.0}]
 )
 @pytest.mark.parametrize("nominal", [[], ["hob.reference_diameter=66", "center_distance=126.5"]])
+@pytest.mark.sweep_cases("nominal0-values0", "nominal1-values0")
 def test_another_hob_has_its_own_setting(values: dict[str, float], nominal: list[str]) -> None:
     """In a row of a study as in a file; a swivel that is stated stays."""
     file = SAMPLES / "worm_drive.toml"

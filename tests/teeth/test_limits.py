@@ -200,6 +200,7 @@ def test_undercut_begins_where_the_trimmed_tooth_says() -> None:
         assert (side.flank_radius > side.singular_radius).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("worm_plunge")
 @pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
 def test_a_crowned_pinion_has_its_racks_limits_within_the_crowning(crowning: str) -> None:
@@ -230,7 +231,9 @@ def test_the_fewest_teeth_are_just_not_undercut() -> None:
 
 @pytest.mark.parametrize("sample", ["spur", "helical", "beveloid_crossed", "spiral_bevel_basic"])
 @pytest.mark.parametrize("land", [0.3, 1.0])
-@pytest.mark.sweep_cases("0.3-beveloid_crossed")
+@pytest.mark.sweep_cases(
+    "0.3-beveloid_crossed", "0.3-spiral_bevel_basic", "0.3-spur", "1.0-beveloid_crossed", "1.0-helical", "1.0-spur"
+)
 def test_a_tip_raised_to_the_limit_has_the_land_asked_for(sample: str, land: float) -> None:
     part = member(sample)
     limits = member_limits(part, land, count=3)
@@ -335,6 +338,7 @@ def test_the_command_and_a_narrowest_land() -> None:
     assert lowest[1] < lowest[0]
 
 
+@pytest.mark.sweep
 def test_the_command_refuses() -> None:
     assert (
         refused("limits", SAMPLES / "spur.toml", "--land", "9") == "--land = 9: must be a number of modules from 0 to 3"

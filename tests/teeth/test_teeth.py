@@ -35,7 +35,16 @@ def pinion(sample: str, *overrides: str) -> Member:
     return members(sample, *overrides)["pinion"]
 
 
-@pytest.mark.sweep_cases("hypoid_high_ratio", "hypoid_formate", "hypoid_measured", "spiral_bevel_formate")
+@pytest.mark.sweep_cases(
+    "hypoid_high_ratio",
+    "hypoid_formate",
+    "hypoid_measured",
+    "spiral_bevel_formate",
+    "cyclo_palloid",
+    "hypoid_face_hobbed",
+    "modified_involute",
+    "zerol",
+)
 @pytest.mark.parametrize("sample", NAMES)
 def test_links_of_the_chain_share_their_ends(sample: str) -> None:
     for member in members(sample).values():
@@ -121,6 +130,7 @@ def test_undercut_beginning_along_the_face_is_a_station() -> None:
     assert cut.tolist() == [True, False]
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("intersected", "helical", "circular_arc")
 @pytest.mark.parametrize(
     ("sample", "overrides", "tolerances"),
@@ -192,6 +202,11 @@ def test_helical_solid_is_lean() -> None:
     "worm_drive_dual_lead",
     "worm_drive_zk_oversize",
     "zerol",
+    "cyclo_palloid",
+    "double_helical",
+    "helical",
+    "hypoid_face_hobbed",
+    "spiral_bevel_basic",
 )
 def test_every_solid_is_proved(sample: str) -> None:
     for member in members(sample).values():

@@ -114,6 +114,7 @@ def planets() -> Stage:
 @pytest.mark.parametrize(
     ("fixed", "driver"), [("ring", "sun"), ("ring", "carrier"), ("carrier", "ring"), ("sun", "ring")]
 )
+@pytest.mark.sweep_cases("ring-sun")
 def test_planetary_stages_turn_as_willis_says(fixed: str, driver: str, planets: Stage) -> None:
     """Also in contact: flanks without modifications turn uniformly."""
     stage = replace(planets, fixed=fixed)
@@ -149,6 +150,7 @@ def set_of_phases(planets: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.sweep_cases("False")
 def test_phases_of_planets_are_those_of_the_set(reverse: bool) -> None:
     """19 teeth of the sun in thirds of a turn: three phases, in both senses."""
     train = gm.load_train({**set_of_phases(3), "reverse": reverse})
@@ -401,6 +403,7 @@ def sum_at(train: gm.MultistageTrain, phi: np.ndarray[Any, Any]) -> np.ndarray[A
     return total
 
 
+@pytest.mark.sweep
 def test_output_error_has_the_pitch_deviations_of_a_stage() -> None:
     """Errors of the gears of one stage as their own contact over whole turns has them: 30 um of one tooth, not 0."""
     places = [0.0] * 32
@@ -540,6 +543,7 @@ def differential(**shafts: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("other", "speed"), [("ring", -0.25), ("ring", 0.0), ("carrier", 2.0)])
+@pytest.mark.sweep_cases("carrier-2.0", "ring-0.0")
 def test_differentials_turn_as_willis_says(other: str, speed: float) -> None:
     train = gm.load_train(differential(**{other: {"speed": speed}}))
     wanted = np.linalg.solve(
@@ -606,6 +610,7 @@ def test_torques_of_a_split_of_power_are_in_equilibrium() -> None:
     assert found["sun"].torque == 1.0
 
 
+@pytest.mark.sweep
 def test_error_of_a_differential_is_that_of_both_branches() -> None:
     """A pair drives the ring of a set whose sun is the input: its error reaches the carrier by the ratio of ring and carrier."""
     pair = {"design": str(SAMPLES / "spur_relieved.toml")}
@@ -689,6 +694,7 @@ def test_error_of_a_rack_is_the_error_of_its_stage_in_um(with_rack: gm.Multistag
     assert np.ptp(error.to_dict()["te_um"]) == pytest.approx(alone["mesh_te_peak_to_peak_um"], rel=1e-3)
 
 
+@pytest.mark.sweep
 def test_teeth_of_a_rack_touch_and_do_not_overlap(with_rack: gm.MultistageTrain) -> None:
     """The rack pushed back by little is free of its pinion, pushed ahead it is not."""
     tolerance, phi = 0.01, 77.0 * with_rack.layout.sense
@@ -719,6 +725,7 @@ def test_shafts_of_racks_only_slide(shafts: dict[str, Any] | None, words: str) -
     assert words in str(refusal.value)
 
 
+@pytest.mark.sweep
 def test_gears_of_a_joined_shaft_must_touch() -> None:
     train = gm.load_train(TWO_STAGE, ['shafts.middle.members=["first.gear", {member="second.pinion", position=60}]'])
     with pytest.raises(gm.DesignError, match=r"^shafts\.middle\.joined: first\.gear, second\.pinion make 2 bodies"):
@@ -745,6 +752,7 @@ def test_other_commands_name_the_command_of_trains() -> None:
 # ---------------------------------------------------------------- studies
 
 
+@pytest.mark.sweep
 def test_rows_of_a_study_are_trains_with_their_keys(tmp_path: Path) -> None:
     """Every row is the train of a file with its keys; stages whose keys do not vary are built once for all rows."""
     vary = {"stages.second.gear.teeth": "52,54", "stages.first.gear.modifications.helix_crowning": [0.0, 0.02]}
@@ -852,6 +860,7 @@ def test_the_chart_is_drawn(two_stage: gm.MultistageTrain, tmp_path: Path) -> No
     assert two_stage.chart(error).save(tmp_path / "te.svg").read_bytes().count(b"<path") > 5
 
 
+@pytest.mark.sweep
 def test_rounding_is_no_transmission_error() -> None:
     """Gears without modification turn evenly: a title said 9.208e-10 arcsec."""
     train = gm.load_train(SAMPLES / "trains" / "train_planetary.toml")

@@ -240,7 +240,8 @@ class Dynamics(Result):
         Examples
         --------
         >>> half_pitches = np.degrees(gears.pairs[0].pitch) * np.array([0.0, 0.5])
-        >>> gears.dynamics(20.0, half_pitches).csv().splitlines()[0].split(",")[:3]
+        >>> loaded = gears.loaded_contact(20.0, half_pitches, level="quick")
+        >>> gears.dynamics(20.0, half_pitches, loaded=loaded).csv().splitlines()[0].split(",")[:3]
         ['mesh', 'torque_nm', 'phi1_deg']
         """
         return csv_text([row.flat for row in self.grid])

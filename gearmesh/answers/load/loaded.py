@@ -293,7 +293,7 @@ class LoadedContact(Result):
 
         Examples
         --------
-        >>> gears.loaded_contact(20.0, [0.0]).share_at(np.array([0.0])).shape
+        >>> gears.loaded_contact(20.0, [0.0], level="quick").share_at(np.array([0.0])).shape
         (1,)
         """
         load = self.mesh.loads[torque]
@@ -342,7 +342,7 @@ class LoadedContact(Result):
 
         Examples
         --------
-        >>> tribology = gears.loaded_contact(20.0, [0.0]).tribology(1500, friction=0.05)
+        >>> tribology = gears.loaded_contact(20.0, [0.0], level="quick").tribology(1500, friction=0.05)
         >>> 98.0 < tribology.totals[0].efficiency < 100.0
         True
         """
@@ -536,7 +536,7 @@ class LoadedContact(Result):
 
         Examples
         --------
-        >>> list(gears.loaded_contact(20.0, [0.0]).largest_in_fillets(0))
+        >>> list(gears.loaded_contact(20.0, [0.0], level="quick").largest_in_fillets(0))
         ['pinion', 'gear']
         """
         return self._fillets(*(_most(in_fillet[torque]) for in_fillet in self._in_fillets()))
@@ -556,7 +556,7 @@ class LoadedContact(Result):
 
         Examples
         --------
-        >>> gears.loaded_contact(20.0, [0.0]).tooth_pairs_at(0).tolist()
+        >>> gears.loaded_contact(20.0, [0.0], level="quick").tooth_pairs_at(0).tolist()
         [2]
         """
         return self._carrying(self.mesh.loads[torque])
@@ -668,7 +668,7 @@ class LoadedContact(Result):
 
         Examples
         --------
-        >>> gears.loaded_contact(20.0, [0.0]).csv().splitlines()[0].split(",")[:2]
+        >>> gears.loaded_contact(20.0, [0.0], level="quick").csv().splitlines()[0].split(",")[:2]
         ['torque_nm', 'phi1_deg']
         """
         rows = self.rows

@@ -334,7 +334,8 @@ class Tribology(Result):
 
         Examples
         --------
-        >>> gears.loaded_contact(20.0, [0.0]).tribology().csv().splitlines()[0].split(",")[:3]
+        >>> loaded = gears.loaded_contact(20.0, [0.0], level="quick")
+        >>> loaded.tribology().csv().splitlines()[0].split(",")[:3]
         ['torque_nm', 'phi1_deg', 'pair']
         """
         return csv_text([row.flat for row in self.rows])
