@@ -179,3 +179,24 @@ def test_what_is_no_allowance_is_refused_in_one_line(keys: dict[str, Any], said:
         gm.build(design_of(**keys))
     assert said in str(failure.value)
     assert "\n" not in str(failure.value)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("module", "teeth", "shift", "tip", "tolerance"),
+    [
+        (3.2, 24, -0.5, 80.0, 0.074),
+        (1.8, 99, -0.5, 180.0, 0.1),
+        (2.1, 149, -0.5, 315.0, 0.13),
+        (1.6, 249, -0.5, 400.0, 0.14),
+    ],
+)
+def test_tip_diameter_at_a_limit_has_the_tolerance_of_the_range_below(
+    module: float, teeth: int, shift: float, tip: float, tolerance: float
+) -> None:
+    """ISO 286-1: ranges are above one limit up to and including the next; m (z + 2 + 2 x) is above it by rounding alone."""
+    assert 0.0 < module * teeth + 2.0 * module * (1.0 + shift) - tip < 1e-9
+    member = {"teeth": teeth, "face_width": 10, "profile_shift": shift, "tip_diameter_tolerance": "h9"}
+    rows = tables_of(design_of(module=module, pinion=member, gear={"profile_shift": -shift, "teeth": teeth}))["Members"]
+    assert rows["d_a"][0] == pytest.approx(tip, abs=EXACT)
+    assert rows["A_dai"][0] == pytest.approx(-tolerance, abs=EXACT)

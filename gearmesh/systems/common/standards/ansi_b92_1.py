@@ -10,10 +10,9 @@ The effective width and the effective thickness at the maximum of material are t
 
 from __future__ import annotations
 
-from bisect import bisect_left
-
 from gearmesh.design.keys import MM_PER
 from gearmesh.systems.common.standards.iso4156 import SplineTolerance
+from gearmesh.systems.common.standards.size_ranges import range_number
 
 #: factors of the tolerances of class 5, by class
 CLASS_FACTORS = {4: 0.71, 5: 1.0, 6: 1.4, 7: 2.0}
@@ -58,6 +57,6 @@ def tolerance(number: int, pitch: float, teeth: int) -> SplineTolerance | None:
     """Return the tolerance (mm) of class `number` for a diametral pitch (1/inch); None outside of the table."""
     if not COARSEST_PITCH <= pitch <= PITCH_LIMITS[-1] or teeth > LARGEST_TEETH:
         return None
-    column, factor = bisect_left(PITCH_LIMITS, pitch), CLASS_FACTORS[number] * UNIT_MM
+    column, factor = range_number(PITCH_LIMITS, pitch), CLASS_FACTORS[number] * UNIT_MM
     machining, variation = (factor * (a + b * teeth) for a, b in (MACHINING_STEPS[column], VARIATION_STEPS[column]))
     return SplineTolerance(0.0, machining + variation, variation)

@@ -7,9 +7,9 @@ example of the standard (27 cd, 100 mm: -70 and -170 um). The standard itself wa
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 
 from gearmesh.errors import nearest
+from gearmesh.systems.common.standards.size_ranges import range_number
 
 #: largest reference diameter of each range, which begins above the limit before it
 DIAMETER_LIMITS_MM = (10, 50, 125, 280, 560, 1000, 1600, 2500, 4000, 6300, 10000)
@@ -72,6 +72,6 @@ def allowances(text: str, diameter: float) -> tuple[float, float]:
     """
     parts = _parts(text)
     assert parts is not None
-    row = bisect_left(DIAMETER_LIMITS_MM, diameter * (1.0 - 1e-12))
+    row = range_number(DIAMETER_LIMITS_MM, diameter)
     upper = UPPER_ALLOWANCES_UM[parts[0]][row]
     return MM_PER_UM * upper, MM_PER_UM * (upper - TOLERANCE_SERIES_UM[int(parts[1])][row])

@@ -12,10 +12,10 @@ The steps, units and rows are recalled, and found alike in one published impleme
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 
 from gearmesh.systems.common.standards.iso286 import MM_PER_UM
 from gearmesh.systems.common.standards.iso4156 import SplineTolerance
+from gearmesh.systems.common.standards.size_ranges import range_number
 
 #: largest reference diameters of the size steps, mm; larger ones have the last step
 DIAMETER_STEPS_MM = (12.0, 25.0, 50.0, 100.0, 200.0, 400.0)
@@ -57,7 +57,7 @@ def tolerance(grade: int, letter: str, module: float, reference_diameter: float)
     The deviation of a hub is that of the thickness of its teeth, as for all internal gears. The module is at most
     LARGEST_MODULE_MM.
     """
-    step = bisect_left(DIAMETER_STEPS_MM, reference_diameter) + bisect_left(MODULE_STEPS_MM, module)
+    step = range_number(DIAMETER_STEPS_MM, reference_diameter) + range_number(MODULE_STEPS_MM, module)
     units = -HUB_UNITS[letter] if letter.isupper() else SHAFT_UNITS[letter]
     row = 3 * (grade - TOLERANCE_GRADES.start) + step
     actual, effective = ACTUAL_TOLERANCES_UM[row], EFFECTIVE_TOLERANCES_UM[row]

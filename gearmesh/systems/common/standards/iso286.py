@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 
 from gearmesh.errors import nearest
 from gearmesh.records import dataclass
+from gearmesh.systems.common.standards.size_ranges import range_number
 
 #: largest size of each range, which begins above the limit before it
 SIZE_LIMITS_MM = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000, 1250, 1600, 2000, 2500, 3150)
@@ -35,7 +35,7 @@ class Deviations:
 
 def standard_tolerance(grade: int, size: float) -> float:
     """Return the standard tolerance, mm, of a size (mm) up to the last of SIZE_LIMITS_MM."""
-    return MM_PER_UM * STANDARD_TOLERANCES_UM[grade][bisect_left(SIZE_LIMITS_MM, size)]
+    return MM_PER_UM * STANDARD_TOLERANCES_UM[grade][range_number(SIZE_LIMITS_MM, size)]
 
 
 def refusal(text: str, letters: tuple[str, ...], grades: range) -> str:

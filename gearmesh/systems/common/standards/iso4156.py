@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import math
 import re
-from bisect import bisect_left
 
 from gearmesh.records import dataclass
 from gearmesh.systems.common.standards.iso286 import MM_PER_UM, SIZE_LIMITS_MM
+from gearmesh.systems.common.standards.size_ranges import range_number
 
 #: tolerance classes, and the factor of the tolerance unit of the pitch diameter
 CLASS_FACTORS = {4: 10.0, 5: 16.0, 6: 25.0, 7: 40.0}
@@ -92,7 +92,7 @@ def tolerance(number: int, letter: str, module: float, teeth: int, length: float
 def fundamental_deviation(letter: str, diameter: float) -> float:
     """Return the fundamental deviation (um) of a shaft, positive towards thinner teeth; 0 for hubs and thicker shafts."""
     table = FUNDAMENTAL_DEVIATIONS_UM.get(letter)
-    return 0.0 if table is None else float(table[bisect_left(SIZE_LIMITS_MM, diameter)])
+    return 0.0 if table is None else float(table[range_number(SIZE_LIMITS_MM, diameter)])
 
 
 def _unit(size: float) -> float:
