@@ -8,7 +8,7 @@ import sys
 
 from gearmesh.memory import keep_memory
 
-#: objects made before the first search for unreachable cycles: more than modules make, which all stay
+#: objects made before unreachable cycles are looked for, which are left out then and later: nearly all belong to modules
 OBJECTS_BEFORE_SEARCHES = 200_000
 #: objects made between two searches for unreachable cycles, and how many of these searches look at older objects, too: modules and
 #: plots make many objects that stay
@@ -18,7 +18,7 @@ OBJECTS_BETWEEN_SEARCHES = (50_000, 20, 50)
 def main() -> int:
     """Run the command line; a stop while modules are loading gives the same message as a later stop."""
     gc.set_threshold(OBJECTS_BEFORE_SEARCHES)
-    gc.callbacks.append(_after_first_search)
+    gc.callbacks.append(_first_search)
     # the last searches, at the end of the process, would look at all objects, whose memory is given back anyhow
     atexit.register(gc.freeze)
     keep_memory()
@@ -36,9 +36,10 @@ def main() -> int:
     return status
 
 
-def _after_first_search(phase: str, info: dict[str, int]) -> None:
-    """Search more often from the first search on."""
-    gc.callbacks.remove(_after_first_search)
+def _first_search(phase: str, info: dict[str, int]) -> None:
+    """Leave all objects out of the first search and later ones, when the first begins; search more often from then on."""
+    gc.callbacks.remove(_first_search)
+    gc.freeze()
     gc.set_threshold(*OBJECTS_BETWEEN_SEARCHES)
 
 
