@@ -44,6 +44,7 @@ def test_writes_the_gear_of_its_design(tmp_path: Path) -> None:
     assert in_python.members["gear"].tooth.teeth == 17
 
 
+@pytest.mark.sweep
 def test_prints_the_sheet(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*SPUR, "--internal", "--face", "5"]) == 0
     printed = capsys.readouterr().out
@@ -87,6 +88,7 @@ def test_refuses_in_one_line(options: list[str], line: str, capsys: pytest.Captu
     assert said.count("\n") == 1
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("suffix", [".stl", ".step"])
 @pytest.mark.sweep_cases(".step")
 def test_loads_no_more_than_a_solid_needs(suffix: str, tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ LOADED = {
 
 
 @pytest.mark.parametrize("command", LOADED, ids=lambda command: command.split()[0])
+@pytest.mark.sweep_cases("render", "solid", "tca")
 def test_a_command_loads_what_it_needs(command: str, tmp_path: Path) -> None:
     program = (
         "import sys, numpy\n"

@@ -32,6 +32,7 @@ def test_parts_are_fractions_of_the_whole() -> None:
     assert told == pytest.approx([0.2, 0.4, 0.55, 0.7, 0.85, 1.0, 1.0])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("ask", "least"),
     [
@@ -50,6 +51,7 @@ def test_long_answers_say_how_far_they_are(ask: Callable[[gm.Gears], object], le
     assert len(set(told)) > least
 
 
+@pytest.mark.sweep
 def test_search_for_bevel_contact_reports_progress() -> None:
     told: list[float] = []
     with listening(told.append):
@@ -71,6 +73,7 @@ def test_search_for_bevel_contact_reports_progress() -> None:
         (("solid", SAMPLES / "spur.toml", "--member", "gear", "-o", "gear.svg"), "section of the gear"),
     ],
 )
+@pytest.mark.sweep_cases("words1-limits")
 def test_stages_are_lines_in_a_pipe_however_short_they_are(
     words: tuple[str | Path, ...], stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

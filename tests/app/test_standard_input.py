@@ -19,6 +19,7 @@ def piped(monkeypatch: pytest.MonkeyPatch, content: bytes, *arguments: str) -> i
 
 
 @pytest.mark.parametrize("text", [GEAR, GEAR_JSON])
+@pytest.mark.sweep_cases("kind = 'cylindrical'\\nmodule = 1\\n[gear]\\nteeth = 12\\nface_width = 4\\n")
 def test_reads_toml_and_json(text: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert piped(monkeypatch, text.encode(), "describe", "-", "--set", "gear.teeth=17") == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]

@@ -74,6 +74,7 @@ def test_axial_section_is_where_sections_across_the_axis_meet_its_plane(case: tu
             assert abs(near[0, 1] + slope * (z - near[0, 0]) - exact) < 3.0 * WITHIN * np.hypot(1.0, slope) + 1e-5
 
 
+@pytest.mark.sweep
 def test_flanks_of_za_are_straight_in_the_axial_section() -> None:
     """At the pressure angle; those of ZI are not."""
     bent = {}
@@ -96,6 +97,7 @@ def test_flanks_of_za_are_straight_in_the_axial_section() -> None:
     assert bent["ZI"] > 50.0 * WITHIN
 
 
+@pytest.mark.sweep
 def test_file_is_read_again(tmp_path: Path) -> None:
     """Splines and lines that ezdxf reads are those of the section."""
     ezdxf = pytest.importorskip("ezdxf")

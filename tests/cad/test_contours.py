@@ -173,6 +173,10 @@ def test_parallels_of_a_slotted_plate_in_closed_form() -> None:
         ("-o a.svg --offset=-30", "--offset = -30 mm: between teeth and bore of the pinion are"),
     ],
 )
+@pytest.mark.sweep_cases(
+    "-o a.svg --offset 30---offset = 30 mm: the bore of the pinion has no room for it; allowed is less than",
+    "-o a.svg --offset=-1e6---offset = -1000000 mm: between teeth and bore of the pinion are",
+)
 def test_refusals(arguments: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert refused("solid", SAMPLES / "helical.toml", "--member", "pinion", *arguments.split(" ")).startswith(words)

@@ -103,6 +103,7 @@ def cubes() -> PartAssembly:
     return PartAssembly("set", tuple(Occurrence(name, part, places[name]) for name, (part, _) in ways.items()))
 
 
+@pytest.mark.sweep
 def test_names_of_occurrences_and_colours_of_solids_arrive_in_gmsh(tmp_path: Path) -> None:
     """Occurrences have names and solids colours; faces have neither name nor member, which is why there is a table."""
     made, file = cubes(), tmp_path / "set.step"
@@ -124,6 +125,7 @@ def test_names_of_occurrences_and_colours_of_solids_arrive_in_gmsh(tmp_path: Pat
 
 
 @pytest.mark.parametrize("asked", [{}, {"flank_only": "both"}])
+@pytest.mark.sweep_cases("asked0")
 def test_solids_from_other_processes_make_the_same_file(asked: dict[str, Any], tmp_path: Path) -> None:
     """The data of the file are the same but for the numbers of occurrences, which count on."""
     made = gears().cad("pinion" if asked else None, COARSE, **asked)

@@ -117,6 +117,7 @@ def test_without_the_library_one_line_names_the_extra(monkeypatch: pytest.Monkey
             assert str(raised.value) == f'to_{library} needs {name}: pip install "gearmesh[{library}]"'
 
 
+@pytest.mark.sweep
 def test_a_mesh_for_manifold3d_is_the_same_body() -> None:
     solid = gears().solid("pinion", 0.05)
     body = solid.to_manifold()
@@ -129,6 +130,7 @@ def test_a_mesh_for_manifold3d_is_the_same_body() -> None:
 # ---------------------------------------------------------------- positions
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_members_are_in_mesh_at_any_position() -> None:
     """Helical involute gears roll without transmission error: the gear turns by the ratio, the pinion clockwise by phi1."""
@@ -166,6 +168,7 @@ def test_texts_have_the_alphabet_of_the_standard() -> None:
     assert basic_alphabet("Rad 'x' 12\n\U0001d11eäx") == r"Rad 'x' 12\X4\0000000A0001D11E000000E4\X0\x"
 
 
+@pytest.mark.sweep
 def test_a_planet_with_other_flanks_is_a_part_of_its_own() -> None:
     of = gears("planetary", tuple(SET))
     other = of.with_deviations("planet_2", "left", 0.001 * np.ones((2, 2)))
@@ -263,6 +266,7 @@ def test_a_macro_has_the_keys_of_the_design_as_typed_properties(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("kind", sorted({tomllib.loads(file.read_text())["kind"] for file in SAMPLES.glob("*.toml")}))
+@pytest.mark.sweep_cases("hypoid")
 def test_the_macro_of_every_kind_is_python_with_plain_values(kind: str) -> None:
     """FreeCAD's own Python has no gearmesh: words that a key chooses from are plain strings, and the value is one of them."""
     file = next(file for file in sorted(SAMPLES.glob("*.toml")) if tomllib.loads(file.read_text())["kind"] == kind)

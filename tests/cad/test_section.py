@@ -224,6 +224,7 @@ def parsed_svg(text: str) -> dict[str, Array]:
     return found
 
 
+@pytest.mark.sweep
 def test_svg_files_hold_the_curves(tmp_path: Path) -> None:
     sample, changes, name, _ = CASES["keyed"]
     section = gm.build(load(SAMPLES / f"{sample}.toml", changes)).section(name, -7.0, 1e-3)

@@ -30,6 +30,7 @@ def read(path: Path) -> tuple[list[float], int]:
         return volumes, len(model.getEntities(2))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("gears", "name", "toe", "heel"),
     [
@@ -80,6 +81,7 @@ def test_a_solid_with_chamfers(gears: Any, name: str, toe: int, heel: int, tmp_p
         ({"end_rounding_toe": 0.3, "tip_chamfer": 0.2}, 6 + 8 * 3 + 1, (25, 0)),
     ],
 )
+@pytest.mark.sweep_cases("keys1-31-counts1")
 def test_a_rack_with_broken_end_edges(
     keys: dict[str, float], splines: int, counts: tuple[int, int], tmp_path: Path
 ) -> None:

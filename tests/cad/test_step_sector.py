@@ -27,6 +27,7 @@ def face_properties(path: Path) -> tuple[list[float], list[tuple[float, np.ndarr
         return volumes, [(occ.getMass(*face), np.array(occ.getCenterOfMass(*face))) for face in model.getEntities(2)]
 
 
+@pytest.mark.sweep
 def test_gmsh_reads_a_sector_with_congruent_cut_faces(tmp_path: Path) -> None:
     gears = built(KEYS)
     cad = gears.cad("gear", sector=PITCHES)

@@ -48,6 +48,7 @@ def middle_of(face: Any) -> tuple[np.ndarray, np.ndarray]:
     return np.array([point.X(), point.Y(), point.Z()]), np.array([normal.X(), normal.Y(), normal.Z()])
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "member", "rows"),
     [("double_helical", "pinion", 2), pytest.param("spiral_bevel_basic", "gear", 1, marks=pytest.mark.sweep)],
@@ -75,6 +76,7 @@ def test_flanks_are_open_shells_on_the_exact_surfaces(sample: str, member: str, 
 
 
 @pytest.mark.parametrize(("sample", "member"), [("rack", "rack"), ("helical", "pinion")])
+@pytest.mark.sweep_cases("helical-pinion")
 def test_faces_of_some_teeth_have_their_edges_in_common(sample: str, member: str, tmp_path: Path) -> None:
     cad = built_sample(sample).cad(member, "1um", teeth=3)
     count = len(cad.made.faces)

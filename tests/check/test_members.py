@@ -90,6 +90,7 @@ def askew() -> tuple[GearPair, float, MemberRoll]:
     return pair, phi1, rolled
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("tooth", "coast"),
     [
@@ -145,6 +146,7 @@ def test_members_that_are_free_do_not_overlap_and_those_that_jam_do() -> None:
         assert (np.abs(piece.box[:, 0]) < 89.7).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("0.005")
 @pytest.mark.parametrize("tolerance", [0.02, 0.005])
 def test_what_only_touches_overlaps_by_facets_alone(tolerance: float) -> None:
@@ -161,6 +163,7 @@ def test_what_only_touches_overlaps_by_facets_alone(tolerance: float) -> None:
     assert overlap(pair, solids, 0.0, rolled.drive.phi2 - pair.drive * push).beyond(tolerance, tolerance)
 
 
+@pytest.mark.sweep
 def test_a_lens_of_overlap_is_two_thirds_as_thick_as_deep() -> None:
     """Involutes pushed into each other by t along their common normal overlap in a lens with parabolas for faces."""
     pair = sample("spur")

@@ -42,6 +42,7 @@ def rolled(number: int, tolerance: float) -> tuple[RollContact, ...]:
     return roll(pinion, gear, gears.mounts, gears.ratio, path.rotation, gears.drive, gears.delta, path.phi2)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("6")
 @pytest.mark.parametrize("number", CASES)
 def test_meshes_touch_where_the_solver_says(number: int) -> None:
@@ -56,6 +57,7 @@ def test_meshes_touch_where_the_solver_says(number: int) -> None:
         assert np.linalg.norm(found.centre_limit - path.point[k]) < 0.020
 
 
+@pytest.mark.sweep
 def test_te_error_shrinks_with_the_tolerance() -> None:
     _, path = case(4)
     tolerances = np.array([1e-2, 1e-3, 1e-4])
@@ -112,6 +114,7 @@ def iso_contact_ratio(design_name: str) -> float:
 
 
 @pytest.mark.parametrize("name", ["spur", "helical"])
+@pytest.mark.sweep_cases("helical")
 def test_contact_ratio_is_that_of_iso_21771(name: str) -> None:
     gears = pair_of(load(SAMPLES / f"{name}.toml"))
     cycle = mesh_cycle(solver_pair(gears), gears.pitch)

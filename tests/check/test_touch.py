@@ -90,7 +90,7 @@ class Spur:
         return -0.5 * (low + high) - turn * mating / own
 
 
-@pytest.mark.sweep_cases("gear_tip-0.3", "pinion_tip-0.02")
+@pytest.mark.sweep_cases("gear_tip-0.3", "pinion_tip-0.02", "pinion_tip-0.3")
 @pytest.mark.parametrize("beyond", some([0.02, 0.1, 0.3], 2))
 @pytest.mark.parametrize("edge", ["pinion_tip", "gear_tip"])
 def test_tip_edges_beyond_the_line_of_action_follow_the_closed_form(edge: str, beyond: float) -> None:
@@ -167,6 +167,7 @@ def test_a_corner_on_a_corner_is_touched(size: float, made: type[GridFlank], wit
 
 
 @pytest.mark.parametrize("width", [0.5, 0.05, 0.005])
+@pytest.mark.sweep_cases("0.005", "0.5")
 def test_a_thin_strip_of_overlap_is_seen_as_brute_force_sees_it(width: float) -> None:
     other = diagonal(width)
     found = touched(GridFlank(sheet(SQUARE, PINION, 41)), GridFlank(sheet(other, GEAR, 41)))
@@ -259,6 +260,7 @@ LEAVING = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("face_gear", "spiral_bevel_basic")
 @pytest.mark.parametrize("name", some(LEAVING, 3))
 def test_finer_grids_move_the_touch_by_less_than_5_milliarcseconds(name: str) -> None:
@@ -314,6 +316,7 @@ def test_first_of_the_highest_hits_counts() -> None:
 
 
 @pytest.mark.parametrize("chart", [Arcs(1.0, 0.0), Slides(-1.0, 20.0), Rays()], ids=["arcs", "slides", "rays"])
+@pytest.mark.sweep_cases("arcs", "slides")
 def test_half_planes_lose_no_line(chart):
     """Lines through points of triangles hit the same with the half planes of the sides and without them.
 

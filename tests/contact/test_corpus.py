@@ -88,6 +88,7 @@ def test_a_contact_far_narrower_than_the_cells_of_the_grid_is_found() -> None:
     assert overlap - 0.005 < cycle.contact_ratio < overlap
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("sheet_face_gear_edge_2067")
 @pytest.mark.parametrize("file", SHEETS, ids=lambda file: file.stem)
 def test_what_the_tool_generates_twice_touches_once(file: Path) -> None:
@@ -101,6 +102,7 @@ def test_what_the_tool_generates_twice_touches_once(file: Path) -> None:
     assert cycle.peak_to_peak < 1e-3 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_sampling_of_a_wide_face_is_as_fine_as_the_tooth_height() -> None:
     pair = wide()
     found = contact_path(solver_pair(pair).parts[0], np.radians([46.726, 47.0]))
@@ -127,6 +129,7 @@ def test_wound_teeth_meet_as_another_pair_a_turn_later() -> None:
     assert abs(rolled.drive.phi2 - phi2) < 0.05 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_rest_of_a_line_beside_a_crossing_of_edges_leads() -> None:
     """A helical pair whose gear is undercut: the advance rises 2 arcsec from its form point at the pinion's end to the line."""
     pair = pair_of(load(CORPUS[0].with_name("line_cylindrical_undercut.toml")))
@@ -138,6 +141,7 @@ def test_rest_of_a_line_beside_a_crossing_of_edges_leads() -> None:
     assert max(abs(each.phi2 - phi2) for each, phi2 in zip(rolled, found.phi2, strict=True) if each) < 1e-4 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     """Long before its turn a corner of the gear's flank comes to the pinion's: nothing else of the two overlaps."""
     pair = pair_of(load(CORPUS[0].with_name("contact_beveloid_sensible_0.toml")))
@@ -149,6 +153,7 @@ def test_flanks_that_overlap_by_less_than_a_cell_of_the_grid_touch() -> None:
     assert all(rolled)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("file", some(CYCLES, 1), ids=lambda file: file.stem)
 def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     """The gears stand where whole members roll to, and peak to peak is that of the curve."""
@@ -165,6 +170,7 @@ def test_the_gears_have_a_whole_cycle(file: Path) -> None:
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.01 * sampled
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("peak_cylindrical_profile_crowning")
 @pytest.mark.parametrize("file", PEAKS, ids=lambda file: file.stem)
 def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
@@ -178,6 +184,7 @@ def test_what_leads_between_nodes_counts_in_peak_to_peak(file: Path) -> None:
     assert 0.0 <= cycle.peak_to_peak - sampled < 0.015 * sampled
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("backlash_beveloid_edge_2093")
 @pytest.mark.parametrize("file", BACKLASHES, ids=lambda file: file.stem)
 def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
@@ -193,6 +200,7 @@ def test_no_position_has_less_backlash_than_the_least(file: Path) -> None:
     assert -1e-12 < most < 1.0 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("nodes_novikov_sensible_205", "nodes_face_gear_edge_202")
 @pytest.mark.parametrize("file", NODES, ids=lambda file: file.stem)
 def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
@@ -217,6 +225,7 @@ def test_no_contact_leads_where_it_is_followed_to(file: Path) -> None:
     assert np.max(ahead) < 0.01 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_a_corner_of_the_advance_is_no_level_place() -> None:
     """At a form point the slope of the advance jumps: its change of sign is no root."""
     pair = pair_of(load(CORPUS[0].with_name("corner_face_gear_edge_1005.toml")))
@@ -226,6 +235,7 @@ def test_a_corner_of_the_advance_is_no_level_place() -> None:
     assert np.isfinite(cycle.harmonics).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("3011")
 @pytest.mark.parametrize("seed", [3007, 3011])
 def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
@@ -244,6 +254,7 @@ def test_teeth_that_meet_again_a_turn_later_are_another_pair(seed: int) -> None:
     assert abs(apart) < 0.1 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_takeover_goes_to_the_pair_already_in_contact() -> None:
     """Sun and planet without errors: no phase at which the gears lag behind their line contact."""
     pair = gm.build(load(CORPUS[0].with_name("together_planetary_edge_3021.toml"))).pairs[0]
@@ -253,6 +264,7 @@ def test_takeover_goes_to_the_pair_already_in_contact() -> None:
     assert np.ptp(cycle.curve.advance(np.linspace(0.0, pair.pitch, 200))) < 1e-6 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases(
     "overlap_beveloid_twenty_windings",
     "overlap_beveloid_five_teeth_wide",

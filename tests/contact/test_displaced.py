@@ -38,7 +38,7 @@ def moved_apart(mm: float) -> tuple[float, float]:
     return path / (2.0 * np.pi * BASE[0] / 20.0), PLAY + opened
 
 
-@pytest.mark.sweep_cases("farther")
+@pytest.mark.sweep_cases("farther", "both")
 @pytest.mark.parametrize(
     ("errors", "nearer", "within"),
     [
@@ -102,6 +102,7 @@ def bevel(eccentricity: float) -> gm.Contact:
     return gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", errors)).contact()
 
 
+@pytest.mark.sweep
 def test_the_cycle_of_bevel_gears_is_that_of_a_small_displacement() -> None:
     """Figures of the mesh cycle change little: within one pitch an eccentric pinion acts like an assembly error of the same
     size. Over the whole path the transmission error more than doubles."""
@@ -112,6 +113,7 @@ def test_the_cycle_of_bevel_gears_is_that_of_a_small_displacement() -> None:
         assert eccentric.summary[key] == pytest.approx(plain.summary[key], abs=most)
 
 
+@pytest.mark.sweep
 def test_check_has_a_verdict_on_whole_turns() -> None:
     """Teeth that stand apart at phi1 = 0 and jam half a turn later; without eccentricity there is no such verdict."""
     verdicts = {}

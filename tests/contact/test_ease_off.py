@@ -91,6 +91,7 @@ def test_clearance_below_contact_matches_line_of_action() -> None:
     np.testing.assert_allclose(found.beyond[1:3, 1:-1], past[1:, 1:-1], atol=2e-3)
 
 
+@pytest.mark.sweep
 def test_files_hold_the_map(tmp_path: Path) -> None:
     found = gm.build(gm.load(SAMPLES / "zerol.toml")).ease_off()
     told = json.loads(found.save(tmp_path / "map.json").read_text())
@@ -103,6 +104,7 @@ def test_files_hold_the_map(tmp_path: Path) -> None:
     assert mesh.cells_dict["quad"].shape == ((found.map.distance.shape[0] - 1) * (found.map.distance.shape[1] - 1), 4)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("hob", [{}, {"hob.reference_diameter": 63.0}])
 def test_ease_off_of_worm_drives_is_known_on_half_of_their_field(hob: dict[str, float]) -> None:
     """The gear's flank passes the threads again where it comes from behind; the first meeting counts."""
@@ -112,6 +114,7 @@ def test_ease_off_of_worm_drives_is_known_on_half_of_their_field(hob: dict[str, 
     assert -1e-6 < np.nanmin(distance) < 1e-4
 
 
+@pytest.mark.sweep
 def test_single_thread_touches_its_wheel_along_lines_on_the_coast_side() -> None:
     """The coast flank faces the wheel half a turn before the driving one does: it was taken to be on its next winding on half of
     the face, where the wheel of the worm's own hob has its lines of contact as elsewhere."""
@@ -139,6 +142,7 @@ def test_points_of_a_worm_are_read_where_they_touch_first() -> None:
         assert (along < 0.0).sum() == 1
 
 
+@pytest.mark.sweep
 def test_a_fine_grid_takes_no_more_memory_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The page of a worm drive asks at 7,500 points and some 1,300 positions: 0.5 GB where all are held at once."""
     followed = gm.build(gm.load(SAMPLES / "spur.toml")).contact().engagement

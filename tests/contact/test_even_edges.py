@@ -10,6 +10,7 @@ import gearmesh as gm
 SIZES = {"pinion": {"teeth": 7, "face_width": 22}, "gear": {"teeth": 9, "face_width": 20}}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("shift", "middle"), [(0.0, 0.0), (3.0, 2.0)])
 def test_contact_along_a_whole_edge_is_reported_at_mid_common_face(shift: float, middle: float) -> None:
     """Undercut ridges and tips of parallel axes touch over the whole face that both have: -11 .. 11 and -10 .. 10 mm, shifted."""

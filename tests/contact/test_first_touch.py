@@ -42,6 +42,7 @@ def sample(name: str, *keys: str) -> GearPair:
     return pair_of(load(SAMPLES / f"{name}.toml", keys))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("novikov", "geometry1", "concave", "crossed")
 @pytest.mark.parametrize("case", HARD)
 def test_flanks_touch_first_where_the_roll_says(case: str) -> None:
@@ -60,6 +61,7 @@ def test_flanks_touch_first_where_the_roll_says(case: str) -> None:
     assert compared >= 1
 
 
+@pytest.mark.sweep
 def test_tips_on_fillets_touch_where_whole_members_do() -> None:
     """A pinion's root that is too shallow for the gear: its fillet touches before the flanks do."""
     gears = sample("face_gear", "pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25")
@@ -138,6 +140,7 @@ def test_positions_with_a_line_of_contact_are_complete_after_one_round(monkeypat
     assert len([count for count in rounds if count]) == 1
 
 
+@pytest.mark.sweep
 def test_fillets_and_tip_edges_are_sampled_near_contact_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Internal pair off its place, with contact on fillets in a few positions: contact as if sampled everywhere."""
     pair, rng, count = solver_pair(sample("internal")), np.random.default_rng(2), 10
@@ -170,6 +173,7 @@ def test_fillets_and_tip_edges_are_sampled_near_contact_alone(monkeypatch: pytes
     ("name", "shift"),
     [("spiral_bevel_basic", 0.05), ("zerol", 0.02), ("internal", 0.1), ("circular_arc", 0.1)],
 )
+@pytest.mark.sweep_cases("internal-0.1", "spiral_bevel_basic-0.05", "zerol-0.02")
 def test_places_beside_a_solved_summit_need_no_solution(
     name: str, shift: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

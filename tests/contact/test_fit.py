@@ -69,6 +69,7 @@ def test_a_spur_pair_fits_as_involutes_have_it() -> None:
 
 @pytest.mark.parametrize("helix", [0.0, 17.0])
 @pytest.mark.parametrize("widths", [(32.0, 30.0), (18.0, 25.0)])
+@pytest.mark.sweep_cases("widths0-17.0", "widths1-0.0", "widths1-17.0")
 def test_contact_ratio_of_unequal_faces_to_nine_digits(helix: float, widths: tuple[float, float]) -> None:
     design = gm.BeveloidDesign(
         module=3.0,
@@ -131,6 +132,7 @@ def test_other_flanks_that_are_the_image_are_solved_once(
         np.testing.assert_allclose(each.normal_backlash, followed.normal_backlash, rtol=0, atol=1e-11)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "keys",
     some(
@@ -161,6 +163,7 @@ def filleted() -> Contact:
         return contact_of(load(SAMPLES / "face_gear.toml", ["pinion.dedendum=1.25", "pinion.tool_tip_radius=0.25"]))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("keys", [("worm_drive_zk_oversize",), ("spiral_bevel_basic",)])
 def test_backlash_over_a_pitch_is_between_first_touches_of_both_flanks(keys: tuple[str, ...]) -> None:
     """Whole members, solved anew at every rotation: the tooth pair that is ahead on either side."""
@@ -182,6 +185,7 @@ def test_backlash_over_a_pitch_is_between_first_touches_of_both_flanks(keys: tup
     assert found.backlash[0] - 1e-9 <= play.min() < play.max() <= found.backlash[1] + 1e-9
 
 
+@pytest.mark.sweep
 def test_backlash_of_positions_and_curve_are_one() -> None:
     """In the table of positions, over a pitch, and as limits in the summary."""
     contact = contact_of(load(SAMPLES / "worm_drive_zk_oversize.toml", []))
@@ -333,6 +337,7 @@ def test_positions_left_out_are_the_whole_engagement() -> None:
     np.testing.assert_allclose(np.degrees(given.path.phi1), [-3.0, 0.0, 3.0], atol=1e-12)
 
 
+@pytest.mark.sweep
 def test_neighbours_are_the_pair_itself_a_pitch_away() -> None:
     contact = contact_of(load(SAMPLES / "spiral_bevel_basic.toml"))
     assert contact.neighbours is not None

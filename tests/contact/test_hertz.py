@@ -177,6 +177,7 @@ def test_normal_force() -> None:
     assert np.isinf(normal_force(1.0, origin + 5.0 * normal, normal, origin, axis))
 
 
+@pytest.mark.sweep
 def test_crossed_beveloid_pair_under_50_nm() -> None:
     design = load(SAMPLES / "beveloid_crossed.toml")
     gears, found = pair_of(design), contact_of(design, 50.0, cycle=False)

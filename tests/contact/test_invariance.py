@@ -112,6 +112,7 @@ def test_a_pair_scales(cone: float, helix: float, scale: float) -> None:
     same_places((one.point, scale * other.point), (one, other), pair, scale)
 
 
+@pytest.mark.sweep
 @few
 @given(cone=cones, helix=helices)
 @example(cone=5.703125, helix=-15.84375)  # an ellipse of 1.7 m: the place along it is known to 1e-3 mm
@@ -163,6 +164,7 @@ def test_every_tooth_pair_is_alike(cone: float, helix: float, dx: float) -> None
     np.testing.assert_allclose(other.phi2, one.phi2 + pair.ratio * pitch, rtol=0, atol=1e-11)
 
 
+@pytest.mark.sweep
 @few
 @given(cone=cones, helix=helices, gamma=errors, turns=st.tuples(*[st.floats(-3.0, 3.0)] * 3))
 def test_the_frame_does_not_matter(cone: float, helix: float, gamma: float, turns: tuple[float, float, float]) -> None:

@@ -91,12 +91,14 @@ def mesh_peak_to_peak(pair: GearPair) -> float:
     ],
     ids=["crowned", "linear", "parabolic", "ends"],
 )
+@pytest.mark.sweep_cases("crowned", "ends", "linear")
 def test_breaks_of_slope_and_curvature_are_known(table: dict[str, Any], unbroken: bool) -> None:
     """Polynomials through samples bound no advance across such a break: at the start of a linear relief 1e-8 rad were lost."""
     for pair in (built(table), built({}, table)):
         assert solver_pair(pair).unbroken is unbroken
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("right")
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_profile_crowning(flank: str) -> None:
@@ -120,6 +122,7 @@ def test_profile_crowning(flank: str) -> None:
     assert exact * spurs.gear == pytest.approx(amount * (pitch * spurs.pinion / (e.tip - e.root)) ** 2, rel=0.02)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("short", "long")
 @pytest.mark.parametrize("share", [0.45, 0.75, 1.0], ids=["short", "intermediate", "long"])
 def test_linear_tip_relief(share: float) -> None:
@@ -153,6 +156,7 @@ def test_a_row_of_the_grid_is_where_a_relief_begins(flank: str) -> None:
     assert np.abs(solver_pair(pair).pinion.grid[:, 0, 0] - 14.0).min() < 1e-9
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("right")
 @pytest.mark.parametrize("flank", ["right", "left"])
 def test_lines_end_on_the_corner_of_a_linear_relief(flank: str) -> None:

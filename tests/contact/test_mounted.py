@@ -39,6 +39,7 @@ def test_a_table_is_made_once_for_all_mountings(monkeypatch: pytest.MonkeyPatch)
     assert len(made) == 3
 
 
+@pytest.mark.sweep
 def test_a_tooth_that_moves_keeps_the_tables_of_the_solver() -> None:
     def built() -> GearPair:
         return gm.build(gm.load(SAMPLES / "helical.toml")).train.pairs[0]

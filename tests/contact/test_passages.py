@@ -16,6 +16,7 @@ from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.flanks import solver_pair
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "sample",
     [
@@ -51,6 +52,7 @@ def test_the_advance_is_known_on_either_side_of_a_passage(sample: str, monkeypat
     assert np.abs(np.diff(slope.reshape(2, -1)[:, 2:5], axis=1)).max() < 1e-6
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "sample",
     ["helical", *(pytest.param(name, marks=pytest.mark.sweep) for name in ("asymmetric", "cycloidal", "internal"))],
@@ -70,6 +72,7 @@ def test_beside_the_ends_of_lines_the_contact_is_that_of_a_whole_search(sample: 
 
 
 @pytest.mark.parametrize(("sample", "by_nodes"), [("spiral_bevel_basic", True), ("helical", False)])
+@pytest.mark.sweep_cases("helical-False")
 def test_the_range_of_a_pair_needs_no_overtaking_within_surface_contact(
     sample: str, by_nodes: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

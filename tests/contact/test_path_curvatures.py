@@ -12,6 +12,7 @@ from gearmesh.systems.spiral_bevel.conjugate.build import conjugate_blank, conju
 
 
 @pytest.mark.parametrize("geometry", [1, 2])
+@pytest.mark.sweep_cases("1")
 def test_conjugate_flanks_have_the_curvatures_of_the_source(geometry: int) -> None:
     """[CR3553 2.4.5-7, 2.7.10-12] at the mean point."""
     design = gm.load(SAMPLES / f"spiral_bevel_geometry{geometry}.toml")
@@ -34,6 +35,7 @@ def test_conjugate_flanks_have_the_curvatures_of_the_source(geometry: int) -> No
 
 
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "hypoid", "helical"])
+@pytest.mark.sweep_cases("beveloid_crossed", "hypoid")
 def test_directions_and_curvatures_are_those_of_differences_of_normals(sample: str) -> None:
     """A step along a principal direction turns the normal by -k times it; no second derivative is asked for."""
     contact = gm.build(gm.load(SAMPLES / f"{sample}.toml")).contact(np.array([-2.0, 1.0]), cycle=False)

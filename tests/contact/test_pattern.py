@@ -14,6 +14,7 @@ from gearmesh.view.on_tooth import union_level
 from gearmesh.view.scene import contact_on
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["spiral_bevel_basic", "beveloid_crossed"])
 def test_pattern_is_where_a_raster_of_the_flank_has_it(name: str) -> None:
     """Every raster point is exact and inside or outside of the ellipses in space; its shares are counted row by row."""
@@ -34,6 +35,7 @@ def test_pattern_is_where_a_raster_of_the_flank_has_it(name: str) -> None:
         assert found.width == pytest.approx(np.ptp(found.height_ends))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("worm_drive")
 @pytest.mark.parametrize("name", ["worm_drive", "face_gear"])
 def test_coast_pattern_of_a_symmetric_pair_mirrors_the_drive_pattern(name: str) -> None:

@@ -38,6 +38,7 @@ def test_a_spur_pair_slides_and_rolls_as_its_line_of_action_says() -> None:
 
 
 @pytest.mark.parametrize("sample", ["rack", "internal", "hypoid", "worm_drive_zk_oversize", "double_helical"])
+@pytest.mark.sweep_cases("double_helical", "internal", "rack", "worm_drive_zk_oversize")
 def test_surfaces_pass_through_the_contact_as_its_places_move(sample: str) -> None:
     """The path's points a little later less those a little earlier say how the contact moves; no curvature is asked for."""
     step, phi1 = 1e-3, np.array([-3.0, 2.0])
@@ -58,6 +59,7 @@ def test_surfaces_pass_through_the_contact_as_its_places_move(sample: str) -> No
     np.testing.assert_allclose(dot(motion.sliding, path.normal), 0.0, atol=1e-9 * motion.sliding_speed.max())
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "module", "teeth", "ratio", "helix"),
     [("spur", 3.0, 20, 0.5, 0.0), pytest.param("double_helical", 4.0, 23, 23 / 57, 28.0, marks=pytest.mark.sweep)],

@@ -84,6 +84,7 @@ def test_a_rounding_touches_an_edge_where_its_circle_does() -> None:
     assert abs(contact - path.phi2[0]) < 1e-3 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("rounding along a line", "rounding on an edge")
 @pytest.mark.parametrize("case", TIP_CONTACTS)
 def test_chamfers_and_roundings_touch_where_whole_teeth_roll(case: str) -> None:

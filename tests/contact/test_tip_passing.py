@@ -142,6 +142,7 @@ def random_pairs(count: int, seed: int) -> Iterator[tuple[gm.Gears, float]]:
         (25.0, (51, 0.155, 0.939), (57, 0.023, 0.518)),
     ],
 )
+@pytest.mark.sweep_cases("25.0-pinion2-ring2", "30.0-pinion1-ring1")
 def test_mesh_far_from_the_pitch_point_is_followed(
     pressure_angle: float, pinion: tuple[int, float, float], ring: tuple[int, float, float]
 ) -> None:
@@ -154,6 +155,7 @@ def test_mesh_far_from_the_pitch_point_is_followed(
     )
 
 
+@pytest.mark.sweep
 def test_tips_collide_at_the_limit_of_the_closed_form() -> None:
     found = fit_of(limit_pair(79.44))
     assert 1e3 * found.normal_backlash[0] == pytest.approx(-8.67, abs=0.005)
@@ -174,6 +176,7 @@ def test_tips_collide_near_the_limit_however_shortly() -> None:
         assert fit_of(gears).jammed == (difference < 8)
 
 
+@pytest.mark.sweep
 def test_jams_beyond_half_a_pitch_are_no_backlash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     design, figures = tmp_path / "deep.toml", tmp_path / "tca.json"
     design.write_text(
@@ -206,6 +209,7 @@ def test_tips_that_overlap_all_round_fail_the_check(tmp_path: Path) -> None:
     assert {"fit: least backlash_normal_mm", "fit: tip_collision_um", "sheet: trochoid_deg"} <= failed
 
 
+@pytest.mark.sweep
 def test_internal_pairs_collide_where_the_closed_form_has_them_do() -> None:
     for teeth in (50, 54):
         check_against_closed_form(plain_pair(teeth, 60, backlash=0.02), math.radians(20.0))
@@ -226,7 +230,7 @@ def polyline_distance(points: np.ndarray, curve: np.ndarray) -> np.ndarray:
     return apart
 
 
-@pytest.mark.sweep_cases("face_gear_offset", "beveloid_crossed", "hypoid", "helical")
+@pytest.mark.sweep_cases("face_gear_offset", "beveloid_crossed", "hypoid", "helical", "rack")
 @pytest.mark.parametrize("name", ["rack", "face_gear_offset", "beveloid_crossed", "hypoid", "worm_drive", "helical"])
 def test_tips_meet_where_they_are_said_to(name: str) -> None:
     """The meetings of every kind are on the tips of both exact teeth, whatever their axes."""

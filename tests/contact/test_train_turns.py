@@ -38,6 +38,7 @@ def test_trains_turn_together_whichever_pair_is_known() -> None:
             assert plain[name] == pytest.approx(turn, abs=1e-4)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "overrides"),
     [

@@ -119,6 +119,7 @@ def test_the_pattern_repeats_with_the_teeth_of_eccentric_members() -> None:
         assert pitches_until_repeat(replace(pair, **own)) == pitches
 
 
+@pytest.mark.sweep
 def test_every_kind_takes_eccentric_members_and_puts_them_on_their_mounts() -> None:
     for kind in kinds():
         keys = {line.key for line in system(kind).design.key_lines()}

@@ -109,6 +109,7 @@ def touched(pair: GearPair, turns: FullTurns, positions: Array) -> tuple[Array, 
         pytest.param(("assembly.gear_eccentricity=0.03", "assembly.gear_phase=130"), id="eccentric gear"),
     ],
 )
+@pytest.mark.sweep_cases("eccentric gear", "eccentric pinion")
 def test_uneven_teeth_touch_where_turned_teeth_do(keys: tuple[str, ...]) -> None:
     """Flanks of 400 points miss by 0.3 urad; a coast flank of the wrong tooth of the gear misses by up to 60."""
     pair = uneven_pair(*keys)

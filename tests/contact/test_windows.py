@@ -115,6 +115,7 @@ def contacts_of(name: str, count: int, scale: float) -> Contacts:
     return many_assemblies(variant.flanks, variant.bases(errors), variant.phi1)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("asymmetric", "face_gear_conjugate", "hypoid", "internal", "straight_bevel", "spline")
 @pytest.mark.parametrize(
     "name",

@@ -23,6 +23,7 @@ def drive(**assembly: float) -> gm.Gears:
     [{"da": 15.0}, {"dz2": 60.0}, {"dz1": -200.0}, {"da": 14.0, "d_sigma": 4.0}],
     ids=["centre distance", "wheel", "worm", "both"],
 )
+@pytest.mark.sweep_cases("centre distance", "wheel", "worm")
 def test_members_that_do_not_reach_each_other(assembly: dict[str, float]) -> None:
     """The whole members do not meet when they roll, either, over a turn of the wheel."""
     gears = drive(**assembly)
@@ -36,6 +37,7 @@ def test_members_that_do_not_reach_each_other(assembly: dict[str, float]) -> Non
     assert rolled.drive is None
 
 
+@pytest.mark.sweep
 def test_tips_that_just_reach_flanks_are_told_from_those_that_do_not() -> None:
     """The worm's tip and the wheel's outside meet until the centre distance is as long as both radii: edge contact is left."""
     gears = drive(da=8.0)

@@ -29,6 +29,7 @@ CORPUS = SAMPLES.parent / "tests" / "corpus"
 THROAT, TIP = 25.0, 35.0
 
 
+@pytest.mark.sweep
 def test_contact_lines_of_an_identical_hob_end_at_edges_of_both_members() -> None:
     """Against the wheel's generation: along a line of contact the hob's roll, which the solver does not know, is one."""
     gears = pair_of(load(SAMPLES / "worm_drive.toml"))
@@ -73,6 +74,7 @@ def test_path_of_line_contact_is_the_middle_of_the_longest_piece() -> None:
         assert np.linalg.norm(runs[lengths.argmax(), 6] - point) < 1e-9
 
 
+@pytest.mark.sweep
 def test_tip_line_corners_touch_if_no_point_around_is_ahead() -> None:
     """Contact in the corner where the throat passes into the outside cylinder. Second route: a lattice of points of the worm
     about the contact. No circle through one of these points meets the wheel ahead of the contact."""
@@ -98,6 +100,7 @@ def test_tip_line_corners_touch_if_no_point_around_is_ahead() -> None:
 
 
 @pytest.mark.parametrize("keys", [[], ["worm.form=ZA", "worm.threads=1"]], ids=["ZI", "ZA"])
+@pytest.mark.sweep_cases("ZA")
 def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
     """Second route: 401 stations of the wheel's face at rotations beside the ends, which lie between two nodes."""
     gears = pair_of(load(SAMPLES / "worm_drive.toml", keys))
@@ -121,6 +124,7 @@ def test_lines_end_where_no_point_of_them_is_left(keys: list[str]) -> None:
         assert 5e-4 < outside < 5e-3
 
 
+@pytest.mark.sweep
 def test_first_touch_at_the_ends_of_a_line_is_on_it() -> None:
     """First touch, when the contact line has shrunk to one point inside the tip line, is at that point. Other points of the tip
     are 9e-8 rad behind. Second route: a wheel cut by an identical hob has no transmission error."""

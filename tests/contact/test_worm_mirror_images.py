@@ -36,7 +36,9 @@ def path_of(name: str, hand: bool, flank: str, signs: Any, shaft_angle: float, e
     return analyse(pair_of(parse(keys | own)), signs[1] * PHI1)
 
 
-@pytest.mark.sweep_cases("ZA oversize-90.0-True", "ZC-90.0-True", "ZI-90.0-False", "ZI-90.0-True", "ZK-80.0-True")
+@pytest.mark.sweep_cases(
+    "ZA oversize-90.0-True", "ZC-90.0-True", "ZI-90.0-False", "ZI-90.0-True", "ZK-80.0-True", "ZK oversize-100.0-True"
+)
 @pytest.mark.parametrize(
     ("name", "shaft_angle", "errors"),
     [

@@ -25,6 +25,7 @@ def cylindrical(pinion: int, gear: int, *, addendum: float | None = None, **keys
     return gm.build(gm.parse({"kind": "cylindrical", "module": 2, **members, **keys}))
 
 
+@pytest.mark.sweep
 def test_internal_contact_ratio_ends_at_the_root_form_circle() -> None:
     """The formula for tips gives 1.9685, clipped where the line of action touches the pinion's base circle 1.8076. But the hob
     leaves involute only from its own form point on [ISO 21771]: 1.7553."""
@@ -42,6 +43,7 @@ def test_internal_contact_ratio_ends_at_the_root_form_circle() -> None:
     assert cycle.contact_ratio == pytest.approx(1.7553, abs=1e-4)
 
 
+@pytest.mark.sweep
 def test_an_oversized_hob_swivels_by_the_lead_angles_of_its_working_cylinders() -> None:
     """Worm 2/40, m 4, q 10, x_2 0.4, hob 1.1 times the worm: threads are tangent where both have one normal pitch, at the height
     x_2 m over the reference cylinders. There r sin(gamma) is the same of both; on the reference cylinders 1.0399 deg come out."""
@@ -65,6 +67,7 @@ def test_an_oversized_hob_swivels_by_the_lead_angles_of_its_working_cylinders() 
     assert float(np.interp(0.0, aside[order], radius[order])) == pytest.approx(21.6, abs=1e-3)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("70.67-3.125-66.5")
 @pytest.mark.parametrize(("phase", "waves", "figure"), [(25.5, 3.52017, 74.95), (70.67, 3.125, 66.5)])
 def test_two_eccentricities_add_by_their_phase(phase: float, waves: float, figure: float) -> None:
@@ -142,6 +145,7 @@ def test_misaligned_crossed_gears_keep_their_ratio_and_move_their_path(error: st
         assert float(along.mean()) == pytest.approx(moved, abs=1e-3)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("jammed")
 @pytest.mark.parametrize(("shift", "play"), [(-0.2, 68.404), (0.2, -68.404)], ids=["play", "jammed"])
 def test_a_beveloid_pair_has_play_by_an_axial_shift(shift: float, play: float) -> None:

@@ -83,6 +83,7 @@ def test_zone_of_contact_is_where_a_sweeping_worm_touches_the_wheel(keys: dict[s
         assert gap[depth < -2.0].min() > 5e-3
 
 
+@pytest.mark.sweep
 def test_share_of_the_zone() -> None:
     """Second order in the steps; a worm that is too short leaves as much of the wheel as it is too short, nothing more."""
     pair = drive("ZI").pairs[0]
@@ -97,6 +98,7 @@ def test_share_of_the_zone() -> None:
 
 
 @pytest.mark.parametrize("name", ["ZI", "ZK", "ZC"])
+@pytest.mark.sweep_cases("ZC", "ZK")
 def test_limit_lines_are_those_of_the_closed_form(name: str) -> None:
     """On the limiting line the contact does not move over the wheel, on the envelope it does not move over the worm."""
     gears = drive(name, wheel={"profile_shift": 0.5}) if name == "ZC" else drive(name)
@@ -114,6 +116,7 @@ def test_limit_lines_are_those_of_the_closed_form(name: str) -> None:
         assert np.abs(getattr(at, rate)).max() < 1e-3 * np.abs(getattr(inside, rate)).max()
 
 
+@pytest.mark.sweep
 def test_tooth_pairs_in_contact_over_a_pitch() -> None:
     """Those that roll, on average as many as the contact ratio says, least and most as reported."""
     gears = drive("ZI")

@@ -116,6 +116,17 @@ def pinned(gears: gm.Gears, folder: Path) -> Path:
     "worm_drive",
     "worm_drive_dual_lead",
     "worm_drive_zk_oversize",
+    "circular_arc",
+    "cyclo_palloid",
+    "double_helical",
+    "helical_hub",
+    "hob_protuberance",
+    "hypoid_face_hobbed",
+    "planetary",
+    "rack",
+    "spline",
+    "spur",
+    "spur_relieved",
 )
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
 def test_pinned_samples_build_the_same_gears_and_hold_every_default(path: Path, tmp_path: Path) -> None:
@@ -198,6 +209,7 @@ MORE: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("bevel_inch", "shafts", "eased", "inch")
 @pytest.mark.parametrize("name", MORE)
 def test_pinned_designs_of_other_units_parts_and_errors_build_the_same_gears(name: str, tmp_path: Path) -> None:
@@ -307,6 +319,7 @@ def forget_bevel_teeth() -> None:
             each.cache_clear()
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("face_gear", "web", "holes", "bore", "chamfer", "clearance", "cutter", "profile", "rim")
 @pytest.mark.parametrize("rule", OTHER_RULES)
 def test_a_rule_that_changes_changes_a_design_and_not_what_is_pinned(

@@ -111,6 +111,7 @@ def test_hatching_leaves_openings_out() -> None:
     assert Box(0.0, 0.0, 1.0, 1.0).overlaps(Box(0.9, 0.9, 2.0, 2.0))
 
 
+@pytest.mark.sweep
 def test_table_has_tolerances_only_for_a_given_accuracy_class() -> None:
     sample, changes, member, _ = CASES["keyed"]
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", changes))
@@ -128,6 +129,7 @@ def test_table_has_tolerances_only_for_a_given_accuracy_class() -> None:
     assert "W_k" in plain
 
 
+@pytest.mark.sweep
 def test_files_have_the_same_bytes_every_time(tmp_path: Path) -> None:
     made = drawing("rack")
     for suffix in ("png", "svg", "pdf"):
@@ -281,6 +283,7 @@ def test_material_rows_have_the_values_of_the_member() -> None:
     assert rows_of("helical", "pinion")["Young's modulus"] == "206 GPa"
 
 
+@pytest.mark.sweep
 def test_names_of_rows_are_large_enough_to_read() -> None:
     """The swivel of the hob has three clauses in the sheet; with all of them its letters were 0.6 mm high."""
     page = gm.build(gm.load(SAMPLES / "worm_drive.toml")).drawing("wheel")._page

@@ -145,6 +145,7 @@ def test_fine_mesh_made_with_the_coarse_one_is_sent_once(workshop: Workshop) -> 
     assert [shape["key"] for shape in first["shapes"]] == [shape["key"] for shape in last["shapes"]]
 
 
+@pytest.mark.sweep
 def test_a_bore_leaves_contact_as_it_is(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
     first = ask(workshop)
     held = [shape["key"] for shape in first[-1]["shapes"]]

@@ -63,6 +63,7 @@ def turned_volume(member: Member) -> float:
 
 
 @pytest.mark.parametrize(("name", "order"), [("pinion", 1), ("gear", 1), ("gear", 2)])
+@pytest.mark.sweep_cases("gear-2", "pinion-1")
 def test_a_whole_body_conforms_and_every_outer_face_is_in_one_set(name: str, order: int) -> None:
     member = wheels().members[name]
     mesh = mesh_of(member, order)
@@ -204,6 +205,7 @@ def shape_functions(place: Array, count: int) -> Array:
 
 
 @pytest.mark.parametrize("name", ["pinion", "gear"])
+@pytest.mark.sweep_cases("gear")
 def test_the_volume_becomes_that_of_the_turned_gear(name: str) -> None:
     """Chords for arcs: the error falls with the square of the cells' size."""
     member = wheels().members[name]
@@ -324,6 +326,7 @@ def test_broken_tips_of_threads_are_left_out_and_named() -> None:
     assert omissions([members["worm"], members["wheel"]], whole=False) == [left]
 
 
+@pytest.mark.sweep
 def test_the_head_of_a_deck_says_that_bodies_are_rims_alone(tmp_path: Path) -> None:
     """The rim of a thin ring goes on to the bore, and nothing is left out; a bar lacks its back and its broken end edges."""
     bar = {"kind": "rack", "module": 2, "rack": {"teeth": 7, "face_width": 10, "height": 30, "end_chamfer": 0.4}}

@@ -338,6 +338,7 @@ def pretended(built: FiniteElements, pressed: int = 1) -> tuple[NodalSolution, A
     return NodalSolution(np.zeros_like(mesh.nodes), stress, pressure, held, totals, 1), place
 
 
+@pytest.mark.sweep
 @needs_opengl
 def test_pictures_show_what_was_solved() -> None:
     design = load(CROSSED, ["fe.teeth=3", "fe.ellipse=3", *COARSE[1::2]])

@@ -30,6 +30,7 @@ def model(order: int) -> gm.FiniteElements | gm.UnloadedFiniteElements:
 
 
 @pytest.mark.parametrize(("order", "kind"), [(1, "C3D8RH"), (2, "C3D20RH")])
+@pytest.mark.sweep_cases("2-C3D20RH")
 def test_meshio_rewrites_elements_and_numbers(order: int, kind: str, tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.inp", tmp_path / "theirs.inp"
     model(order).save(ours)

@@ -67,6 +67,7 @@ def same_nodes(nodes: np.ndarray, places: np.ndarray) -> np.ndarray:
     return np.asarray(nearest)
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_a_sector_bends_as_the_whole_gear() -> None:
     gears = pair()
@@ -86,6 +87,7 @@ def test_a_sector_bends_as_the_whole_gear() -> None:
 
 
 @pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.sweep_cases("2")
 def test_nodes_of_the_cuts_are_pairs_and_named_in_the_deck(tmp_path: Path, order: int) -> None:
     model = sector_of(pair(order))
     symmetry, mesh = model._model.cyclic, model.mesh

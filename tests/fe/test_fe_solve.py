@@ -208,6 +208,7 @@ def test_pairs_that_do_not_touch_have_no_figures() -> None:
     assert pressed.peak_pressure == pytest.approx(1e-3 * springs, rel=1e-4)
 
 
+@pytest.mark.sweep
 @needs_ccx
 def test_bodies_apart_are_refused_at_once() -> None:
     with pytest.raises(NoSolutionError, match=r"no contact at the start.*let the bodies overlap"):

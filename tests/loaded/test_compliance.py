@@ -92,6 +92,7 @@ def test_a_rectangle_is_many_points() -> None:
 COARSE = Cells(flank=4, fillet=3, thickness=2, rim=2, face=4)
 
 
+@pytest.mark.sweep
 def test_a_ring_of_sectors_is_the_whole_gear() -> None:
     """Displacements and stresses of teeth -2 .. 2 from the condensed sector, against all teeth solved at once."""
     tooth, side = spur().pinion.tooth, spur().flanks[0]
@@ -120,6 +121,7 @@ def test_a_ring_of_sectors_is_the_whole_gear() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("loaded", [-1, 0])
+@pytest.mark.sweep_cases("-1")
 def test_a_few_teeth_with_held_cuts(loaded: int) -> None:
     """Displacements and stresses of three teeth, one of them loaded, against the same three solved at once."""
     tooth, side = spur().pinion.tooth, spur().flanks[0]
@@ -257,6 +259,7 @@ def test_a_rack_is_the_limit_of_large_gears() -> None:
     np.testing.assert_allclose(whole[2], whole[2][::-1], rtol=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_what_is_known_of_a_body_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Teeth of a design in another assembly are those of the first, to the last byte; another bore or material is another body."""

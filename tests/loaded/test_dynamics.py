@@ -26,6 +26,7 @@ def tables() -> Dynamics:
     return Dynamics(loaded.design, gm.build(loaded.design).train, {0: loaded}, ())
 
 
+@pytest.mark.sweep
 def test_two_masses_with_these_tables_follow_the_static_transmission_error() -> None:
     """Slow rotation: inertia does not count, so that the masses must be where the torque and the stiffness put them."""
     document = json.loads(tables().json())
@@ -85,6 +86,7 @@ def test_tangent_stiffness_is_the_change_of_force_over_the_change_of_error() -> 
     np.testing.assert_allclose(rest, rest[0] * (-1.0) ** np.arange(8), atol=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("planets", "angles"), [pytest.param(3, "0, 120, 240", marks=pytest.mark.sweep), (4, "0, 88, 180, 268")]
 )
@@ -121,6 +123,7 @@ def test_phases_of_a_planetary_set_are_at_pitch_points(planets: int, angles: str
 @pytest.mark.parametrize(
     "sample", ["helical", "internal", "rack", pytest.param("straight_bevel", marks=pytest.mark.sweep)]
 )
+@pytest.mark.sweep_cases("internal", "rack")
 def test_flanks_do_not_slide_at_the_pitch_point(sample: str) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
     phi1 = pitch_point_phi1(gears.pairs[0])[0]

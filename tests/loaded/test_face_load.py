@@ -16,6 +16,7 @@ from gearmesh.teeth.micro_geometry.index_angles import IndexAngles
 MISALIGNED = "assembly.gamma_v=0.02"
 
 
+@pytest.mark.sweep
 def test_the_face_load_factor_is_largest_over_mean_load_of_slices() -> None:
     factors = []
     for keys in ((), (MISALIGNED,)):

@@ -17,6 +17,7 @@ from gearmesh.loaded.lubrication import flash_temperature
 FRICTION, SPEED, VISCOSITY, EXPONENT = 0.06, 3000.0, 15.0, 18.0
 
 
+@pytest.mark.sweep
 def test_efficiency_is_that_of_shares_and_distances_from_the_pitch_point() -> None:
     """Loss mu F s (1 + N1/N2) of every tooth pair at a distance s from the pitch point, from load shares and rotations alone."""
     loaded = loaded_contact("spur", (200.0,), 9)
@@ -83,6 +84,7 @@ def test_rows_have_the_film_of_the_standard_and_the_pressure_of_hertz() -> None:
     assert total.max_flash_temperature == max(row.flash_temperature or 0.0 for row in rows)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_standard_friction_is_that_of_the_pitch_point(sample: str) -> None:
     """ISO/TR 14179-2 from the sheet's geometry; the efficiency is that of this coefficient, and of its local sum velocity."""
@@ -109,6 +111,7 @@ def test_standard_friction_is_that_of_the_pitch_point(sample: str) -> None:
     assert least == pytest.approx(wanted * (150.0 / per_width) ** 0.2, rel=2e-3)
 
 
+@pytest.mark.sweep
 def test_standard_friction_needs_parallel_axes() -> None:
     loaded = loaded_contact("face_gear", (50.0,), 3)
     with pytest.raises(ArgumentError, match=r"roughness = 0\.4 um: must be left out unless the axes are parallel"):

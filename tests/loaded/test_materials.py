@@ -46,6 +46,7 @@ def test_planets_and_racks_have_theirs() -> None:
         gm.load(SAMPLES / "spur.toml", ["gear.material.poisson_ratio=0.7"])
 
 
+@pytest.mark.sweep
 def test_densities_of_members_are_in_sheet_deck_and_rexs_file(tmp_path: Path) -> None:
     """A wheel of aluminium on a pinion of steel: masses as their densities; what is not given is that of all, or of steel."""
     keys = ["gear.material.density=2700", "gear.material.youngs_modulus=7e4"]

@@ -115,6 +115,7 @@ def test_pinions_of_racks_and_of_two_halves_have_bearings(name: str, keys: tuple
     np.testing.assert_allclose(turn, 1.0, rtol=2e-3)
 
 
+@pytest.mark.sweep
 def test_racks_have_guides() -> None:
     """A rack gives way by force over stiffness along its travel and away from the pinion, and the pinion turns on by as much."""
     pair, bodies = geared("rack", "pinion.modifications={}")
@@ -190,6 +191,7 @@ def planet_under(which: int, pin: FlexibleMount | None, *keys: str) -> LoadedMes
     )
 
 
+@pytest.mark.sweep
 def test_both_meshes_of_a_planet_load_its_pin() -> None:
     """Twice the tangential force over the stiffness, and nothing towards the sun; the sun turns on by what the planet goes along
     the line of action, over its base radius. Seen from the ring's mesh, too."""
@@ -203,6 +205,7 @@ def test_both_meshes_of_a_planet_load_its_pin() -> None:
         np.testing.assert_allclose(found.rotation - stiff.rotation, back * cosine / base, rtol=2e-3)
 
 
+@pytest.mark.sweep
 def test_planets_tilt_on_pins_held_at_one_end() -> None:
     """Second route: both meshes on rigid mounts with the planet tilted by as much have the moments that tilt the pin so."""
     stiffness = 1e8

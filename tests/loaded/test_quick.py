@@ -77,6 +77,7 @@ def assert_close(quick: LoadedMesh, full: LoadedMesh) -> None:
     np.testing.assert_allclose(*peaks, rtol=0.06)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("helical", "spiral_bevel_basic", "face_gear")
 @pytest.mark.parametrize("sample", some(list(TORQUES), 4))
 def test_the_quick_level_is_near_the_full_one(sample: str) -> None:
@@ -86,6 +87,7 @@ def test_the_quick_level_is_near_the_full_one(sample: str) -> None:
     assert all(np.isnan(load.error).all() for load in quick.loads)
 
 
+@pytest.mark.sweep
 def test_a_variant_on_grids_and_bodies_of_another_design() -> None:
     """10 um of crowning: the same as with bodies and grids of its own; with 0.2 mm the gears are other gears."""
     sample, crowned = "spur_relieved", "pinion.modifications.helix_crowning=10um"

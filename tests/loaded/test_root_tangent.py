@@ -18,6 +18,7 @@ pytestmark = pytest.mark.quick
 
 
 @pytest.mark.parametrize("sample", ["spur", "helical", "internal"])
+@pytest.mark.sweep_cases("internal", "spur")
 def test_it_is_where_iso_6336_has_it(sample: str) -> None:
     """Radius from the axis against the normal section through the middle of the tooth, at every station: 20 um, 1 deg."""
     design = gm.load(SAMPLES / f"{sample}.toml")

@@ -14,6 +14,7 @@ from gearmesh.contact.tca import contact_path
 from gearmesh.loaded.separation import near_pairs, separation
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["helical", "spiral_bevel_basic"])
 def test_gaps_are_those_of_the_advances(sample: str) -> None:
@@ -108,6 +109,7 @@ def test_flanks_do_not_overlap_where_one_of_them_ends() -> None:
     assert grid.gap[grid.on].min() > -1e-5
 
 
+@pytest.mark.sweep
 def test_levers_are_in_the_ratio_at_which_flanks_drive() -> None:
     """At the first touch of every pair, on flanks and on edges: lever of the pinion over that of the gear is d phi2 / d phi1 of
     that pair alone, 2e-5 (continued from cells that are on no edge). Transmission errors have slopes: with them T2/T1 is not z2/z1

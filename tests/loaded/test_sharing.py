@@ -44,6 +44,7 @@ def discs(first: int, second: int, module: float, width: float) -> tuple[str, ..
     return (*each, f"module={module}", f"assembly.center_distance={0.5 * (first + second) * module}", "backlash=0")
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("25-75-2.0-20.0")
 @pytest.mark.parametrize(
     ("first", "second", "module", "width"), some([(20, 40, 3.0, 28.0), (30, 30, 4.0, 30.0), (25, 75, 2.0, 20.0)], 2)
@@ -60,6 +61,7 @@ def test_stiffness_of_one_pair_is_that_of_iso_6336(first: int, second: int, modu
     assert c == pytest.approx(0.8 / flexible, rel=0.10)
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_a_symmetric_pair_is_symmetric() -> None:
     """Equal gears at equal distances before and after the pitch point: rotation, loads, stresses of pinion and gear change over."""
@@ -68,6 +70,7 @@ def test_a_symmetric_pair_is_symmetric() -> None:
     np.testing.assert_allclose(found.root_stress[0], found.root_stress[0, ::-1, ::-1], rtol=5e-3)
 
 
+@pytest.mark.sweep
 def test_positions_are_solved_as_if_alone() -> None:
     """Positions whose grids did not fit are solved again among others that did: pressures, forces, stresses as alone."""
     phases = [0.1, 0.3, 0.45]
@@ -85,6 +88,7 @@ def test_positions_are_solved_as_if_alone() -> None:
             np.testing.assert_allclose(values, expected, rtol=1e-3, atol=1e-4 * np.nanmax(expected), err_msg=name)
 
 
+@pytest.mark.sweep
 def test_smaller_torques_on_the_grids_of_larger_ones() -> None:
     """A small torque after a large one, whose contacts are twice as long, against the small torque alone; in any order."""
     phases = [0.1, 0.67, 0.71]
@@ -131,6 +135,7 @@ def test_torques_and_hertz_on_lines(sample: str) -> None:
         np.testing.assert_allclose(load.pressure[m].max(axis=1)[middle], hertz.peak_pressure, rtol=0.01)
 
 
+@pytest.mark.sweep
 def test_point_contact_is_that_of_hertz() -> None:
     """A spiral bevel pair under little load, away from edges: one ellipse, 1 %."""
     found = under([0.5], [0.0], "spiral_bevel_basic")
@@ -224,6 +229,7 @@ def test_pairs_that_only_load_brings_together_are_found(monkeypatch: pytest.Monk
     np.testing.assert_allclose(again.loads[0].force.sum(), found.loads[0].force.sum(), rtol=1e-6)
 
 
+@pytest.mark.sweep
 def test_of_equal_planets_one_carries_the_torque(monkeypatch: pytest.MonkeyPatch) -> None:
     """And is said to; not where there is one mesh."""
     said: list[tuple[str, ...]] = []
@@ -256,6 +262,7 @@ def test_what_is_told_of_edges_converges() -> None:
     np.testing.assert_allclose(fine.peak[tip], coarse.peak[tip], rtol=0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("helical-500.0-8.8", "helical-500.0-12.6")
 @pytest.mark.parametrize(
     ("sample", "torque", "start"),
@@ -344,6 +351,7 @@ def test_what_the_gear_torque_lacks_is_in_the_teeth() -> None:
     assert abs(mean) == pytest.approx(lacking, rel=0.06)
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_contacts_that_no_cell_meets_are_found() -> None:
     """A corner that begins to touch, on a grid of 35 by 16 mm of which 3 by 0.4 mm are in contact: 3.5 % of the load."""

@@ -95,7 +95,10 @@ def test_what_chamfers_take_off_spur_teeth() -> None:
 
 
 @pytest.mark.sweep_cases(
-    "spiral_bevel_geometry2-pinion-ends1-None", "helical-gear-ends3-tip3", "spiral_bevel_geometry2-gear-ends4-None"
+    "spiral_bevel_geometry2-pinion-ends1-None",
+    "helical-gear-ends3-tip3",
+    "spiral_bevel_geometry2-gear-ends4-None",
+    "helical-pinion-ends0-tip0",
 )
 @pytest.mark.parametrize(
     ("sample", "name", "ends", "tip"),
@@ -207,6 +210,7 @@ def test_refusals() -> None:
         gm.load(SAMPLES / "spur.toml", ["gear.end_chamfer=0.3", "gear.end_rounding_toe=0.2"])
 
 
+@pytest.mark.sweep
 def test_corners_at_a_root_that_touches_neither_fillet() -> None:
     """Roots straight from fillet to fillet: the outline is as far inside that of three sharp teeth everywhere, so at the corners to
     both neighbours too, which one of the two has in an arc. Nearest points of the sharp outline are 0.01 mm apart: 1e-4 mm."""
@@ -230,6 +234,7 @@ def test_corners_at_a_root_that_touches_neither_fillet() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("sample", "name"), [("helical", "pinion"), ("spiral_bevel_geometry2", "gear")])
+@pytest.mark.sweep_cases("spiral_bevel_geometry2-gear")
 def test_samples_for_room_of_chamfers_are_as_exact_as_the_surfaces(sample: str, name: str) -> None:
     tooth = chamfered(sample, name, (0.5, 0.3), (0.3, 0.3)).tooth
     for strip, sharp, width in zip(tooth.end_strips, tooth.sharp_outlines, (0.5, 0.3), strict=True):
@@ -237,6 +242,7 @@ def test_samples_for_room_of_chamfers_are_as_exact_as_the_surfaces(sample: str, 
         assert sharp.inside(width) == pytest.approx(strip.outline, abs=1e-7)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("tolerance", "rounded"), [(0.05, False), (0.001, False), (0.05, True)])
 @pytest.mark.sweep_cases("0.001-False", "0.05-True")
 def test_no_place_of_a_chamfer_is_farther_than_its_bound(
@@ -282,6 +288,7 @@ def bar(case: str, **keys: object) -> gm.Gears:
 @pytest.mark.quick
 @pytest.mark.parametrize("case", BARS)
 @pytest.mark.parametrize("rounded", [False, True])
+@pytest.mark.sweep_cases("False-helical", "True-sharp roots")
 def test_what_broken_edges_take_off_a_bar(case: str, rounded: bool) -> None:
     """In closed form: d inside an outline of length L it is L d less at every corner of the lands d^2 tan(theta / 2), more at every
     root fillet, whose radius does not count, d^2 theta / 2, theta = 90 deg - alpha_t. Helical teeth are that sheared."""
@@ -312,7 +319,7 @@ def test_what_broken_edges_take_off_a_bar(case: str, rounded: bool) -> None:
         ("sharp roots", {"end_chamfer_heel": 0.5}),
     ],
 )
-@pytest.mark.sweep_cases("helical-keys1")
+@pytest.mark.sweep_cases("helical-keys1", "helical-keys0")
 def test_bars_are_closed_and_weigh_what_the_sheet_says(case: str, keys: dict[str, object]) -> None:
     """The chamfers go on along the root lands to the bar's ends. Centre of gravity and inertia against the mesh's."""
     gears, tolerance = bar(case, **keys), 0.002
@@ -333,6 +340,7 @@ def test_bars_are_closed_and_weigh_what_the_sheet_says(case: str, keys: dict[str
             assert np.ptp(y) == pytest.approx(length + end.depth * lean, abs=1e-6)
 
 
+@pytest.mark.sweep
 def test_a_bar_has_no_room_for_larger_chamfers() -> None:
     """Up to half of the land, to the back, and to a hole; each with what fits."""
     for keys, message in (

@@ -63,6 +63,7 @@ def body(member: Member, tolerance: float) -> int:
         ("beveloid_crossed", "pinion", 0.01, 1.23),
     ],
 )
+@pytest.mark.sweep_cases("beveloid_crossed-pinion-0.01-1.23", "helical_hub-gear-0.01-1.05", "zerol-gear-0.01-1.2")
 def test_ends_and_bodies_take_few_triangles(sample: str, name: str, tolerance: float, most: float) -> None:
     """A plane between N and M nodes has N + M triangles: what the outlines need is all that can be saved."""
     member = member_of(sample, name)

@@ -450,6 +450,7 @@ def test_one_member_is_pressed_as_by_its_mating_gear() -> None:
     assert len(load.nodes) > 60
 
 
+@pytest.mark.sweep
 def test_leading_teeth_are_modelled() -> None:
     """Whole pitches on, other teeth stand where those on +x stood; between, the pair that pushes the gear farthest leads."""
     gears = pair("spiral_bevel_basic")

@@ -13,6 +13,7 @@ from gearmesh.mesh.tessellate import tessellate
     ("sample", "member", "image"),
     [("face_gear", "gear", (1.0, -1.0, 1.0)), ("worm_drive", "wheel", (1.0, -1.0, -1.0))],
 )
+@pytest.mark.sweep_cases("worm_drive-wheel-image1")
 def test_sides_have_the_nodes_of_their_image(sample: str, member: str, image: tuple[float, float, float]) -> None:
     tooth = built_sample(sample).members[member].tooth
     patches = {str(patch.region): patch for patch in tessellate(tooth, 0.02).patches}

@@ -53,6 +53,7 @@ def modified(helix: float, **changes: Any) -> Member:
     return pair_of(parse(design)).pinion
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("0.0-changes1-0.0005", "18.0-changes0-0.0005")
 @pytest.mark.parametrize("tolerance", [5e-3, 5e-4])
 @pytest.mark.parametrize(("helix", "changes"), [(18.0, {}), (0.0, {"tip_chamfer": 0.2})])
@@ -73,6 +74,7 @@ def test_within_tolerance_and_closed_with_lines_on_the_corners(helix: float, cha
                 assert not ((length[:, 0] < corner - 1e-9) & (length[:, 2] > corner + 1e-9)).any()
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("15.0")
 @pytest.mark.parametrize("helix", [0.0, 15.0])
 def test_internal_gears_by_a_shaper(helix: float) -> None:
@@ -142,6 +144,7 @@ def test_volume_is_less_by_what_is_removed() -> None:
     assert tooth.unmodified_tooth.volume() - tooth.volume() == pytest.approx(tooth.teeth * removed, rel=2e-3)
 
 
+@pytest.mark.sweep
 def test_step_has_its_faces_end_at_the_corners() -> None:
     pytest.importorskip("OCP")
     member = modified(18.0)
@@ -154,6 +157,7 @@ def test_step_has_its_faces_end_at_the_corners() -> None:
 
 
 @pytest.mark.parametrize("second_order", [False, True])
+@pytest.mark.sweep_cases("True")
 def test_hexahedra_have_lines_on_the_corners(second_order: bool) -> None:
     tooth = modified(18.0).tooth
     mesh = hex_mesh(tooth, np.array([0, 1]), plain_grid(Cells()), second_order=second_order)

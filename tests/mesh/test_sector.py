@@ -44,6 +44,13 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
+@pytest.mark.sweep_cases(
+    "a row of nodes in the middles of the roots",
+    "cones",
+    "cylinders",
+    "twisted, without a bore",
+    "two halves, a web, holes that the cuts go through",
+)
 def test_sectors_are_closed_congruent_and_together_the_gear(case: str) -> None:
     gears, name, pitches = CASES[case]
     member, _ = cyclic(gears.member(name), pitches)
@@ -62,6 +69,7 @@ def test_sectors_are_closed_congruent_and_together_the_gear(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", ["twisted, without a bore", "cones"])
+@pytest.mark.sweep_cases("cones")
 def test_cuts_follow_the_middles_of_the_roots(case: str) -> None:
     gears, name, _ = CASES[case]
     member = gears.members[name]
@@ -82,6 +90,7 @@ def polar(points: np.ndarray) -> np.ndarray:
     return np.arctan2(points[..., 1], points[..., 0])
 
 
+@pytest.mark.sweep
 def test_a_sector_made_after_the_gear_has_its_teeth() -> None:
     """The tooth of the whole gear has not been searched for undercut yet. The search changes its sections by rounding alone."""
     gears = gm.build(gm.load(SAMPLES.parent / "tests" / "corpus" / "sector_beveloid_cone.toml"))

@@ -70,6 +70,7 @@ def area(mesh: TriangleMesh) -> float:
 
 @pytest.mark.parametrize(("sample", "name"), some(MEMBERS, 3))
 @pytest.mark.parametrize("share", [pytest.param(0.0, marks=pytest.mark.sweep), 0.02])
+@pytest.mark.sweep_cases("0.02-circular_arc-pinion", "0.02-planetary-ring")
 def test_spaces_and_teeth_fill_the_blank(sample: str, name: str, share: float) -> None:
     """Exactly, in a way that knows no tooth: the blank is a body of revolution; the space's mesh within its tolerance."""
     nominal = member_of(sample, name)
@@ -137,6 +138,7 @@ def test_parallel_of_a_screw_involute_has_the_same_base_cylinder() -> None:
     ],
     ids=["drawn_root", "chamfer", "sharp_form_point", "crowned", "crowned_from_the_base_circle_on"],
 )
+@pytest.mark.sweep_cases("crowned-0.02", "crowned_from_the_base_circle_on-0.02")
 def test_surfaces_meeting_in_edges_end_in_edges_of_moved_surfaces(
     design: Path, settings: list[str], share: float
 ) -> None:
@@ -166,6 +168,7 @@ def test_a_space_is_a_cad_solid() -> None:
     assert abs(figures["volume_error"]) < 1e-6
 
 
+@pytest.mark.sweep
 def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> None:
     """Least radius of curvature of a rack's fillet is the tool's own rounding. On a gear the rounding's centre, at the depth c,
     turns back on a curve of radius c^2 / (r + c) [Euler-Savary], which adds to the rounding. An offset the other way makes the
@@ -181,6 +184,7 @@ def test_the_largest_offset_is_the_least_radius_of_curvature_of_the_fillet() -> 
         assert offset_member(member, bound).tooth.blank.tip != member.tooth.blank.tip
 
 
+@pytest.mark.sweep
 def test_largest_offset_turns_no_place_of_a_fillet_inside_out() -> None:
     """Face gear whose fillet is bent most between two of the sections at which an offset is proved. The largest offset is
     checked at 257 sections."""
@@ -213,6 +217,7 @@ def test_fillet_of_a_sharp_shaper_ends_with_its_corner_on_the_axis(outer: float 
     assert (most == 0.0) == (outer is None)
 
 
+@pytest.mark.sweep
 def test_an_offset_leaves_a_land_and_a_body_under_the_teeth(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("gearmesh.teeth.offset.OFFSET_ACCURACY", 0.1)
     for bore, reason in ((53.4, "cut through the body"), (20.0, "is pointed")):

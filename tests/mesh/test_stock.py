@@ -55,6 +55,7 @@ def heights(points: Array, surface: Array, normals: Array) -> Array:
     return np.asarray(((points - surface[nearest]) * normals[nearest]).sum(axis=-1))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases(*(case for case in MEMBERS if case not in ("ring", "bar")))
 @pytest.mark.parametrize("case", MEMBERS)
 def test_solid_has_the_stock_on_its_flanks_and_nowhere_else(case: str) -> None:
@@ -98,6 +99,7 @@ def test_solid_has_the_stock_on_its_flanks_and_nowhere_else(case: str) -> None:
         assert np.abs(heights(made.points[below], surface, normals)).max() < TOLERANCE
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("helical", "ring")
 @pytest.mark.parametrize("case", ["helical", "ring", "bar"])
 def test_step_file_and_section_have_the_stock(case: str) -> None:
@@ -118,6 +120,7 @@ def test_step_file_and_section_have_the_stock(case: str) -> None:
 
 
 @pytest.mark.parametrize("teeth", [17, 40])
+@pytest.mark.sweep_cases("17")
 def test_flank_with_stock_is_that_which_a_hob_leaves(teeth: int) -> None:
     """A hob whose flank is thinner by the stock generates the same flank, farther out than the finished one."""
     stock, tables = 0.12, {"teeth": teeth, "face_width": 20.0}
@@ -164,6 +167,9 @@ def test_contact_has_no_stock_and_the_sheet_measures_it() -> None:
         ("helical", "pinion.stock=-1", "pinion.stock = -1: must be"),
         ("hob_protuberance", "pinion.stock=0.1", "pinion.stock = 0.1 mm: cannot be given together with hob.stock"),
     ],
+)
+@pytest.mark.sweep_cases(
+    "helical-pinion.stock=5mm-pinion.stock = 5 mm: the ramp under the flank with stock does not meet the fillet"
 )
 def test_stock_without_room_is_refused_with_the_largest(sample: str, key: str, said: str, tmp_path: Path) -> None:
     file = tmp_path / "a.stl"

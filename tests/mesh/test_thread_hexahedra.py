@@ -36,6 +36,7 @@ def meshed(tooth: Tooth, second_order: bool = False) -> HexMesh:
 
 @pytest.mark.parametrize("second_order", [False, True])
 @pytest.mark.parametrize("worm", [{}, {"threads": 3, "form": "ZA", "right_hand": False}], ids=["ZI 1", "ZA 3 left"])
+@pytest.mark.sweep_cases("ZA 3 left-False", "ZA 3 left-True", "ZI 1-True")
 def test_flanks_of_threads_are_the_helicoids(worm: dict[str, Any], second_order: bool) -> None:
     """Moved along the helix to the half plane y = 0 all nodes lie on the curve of the axial section, that of a thread a pitch
     further for a neighbour's; the elements are well shaped."""

@@ -78,6 +78,7 @@ def measured(path: Path, design: Design, values: dict[str, float], noise: float 
 
 
 @pytest.mark.parametrize("key", CHANGES)
+@pytest.mark.sweep_cases("machine_centre_to_back", "machine_root_angle", "machining_offset", "radial", "sliding_base")
 def test_a_setting_that_was_off_comes_back(hypoid: Design, key: str, tmp_path: Path) -> None:
     """All usual settings of both sides are free."""
     path = tmp_path / "pinion.csv"
@@ -92,6 +93,7 @@ def test_a_setting_that_was_off_comes_back(hypoid: Design, key: str, tmp_path: P
         assert np.abs(left.values).max() < 5e-5
 
 
+@pytest.mark.sweep
 def test_noise_moves_settings_by_what_is_stated(hypoid: Design, tmp_path: Path) -> None:
     """And the noise is found by what no setting takes away; the contact after is that of the design again."""
     off = {"radial": 0.05, "machine_root_angle": 0.05}
@@ -131,6 +133,7 @@ def test_the_contact_of_the_corrected_pinion_is_that_of_the_design(hypoid: Desig
     assert '"contact_after"' in made.json()
 
 
+@pytest.mark.sweep
 def test_what_the_machine_cannot_cut_is_left(hypoid: Design, tmp_path: Path) -> None:
     """A modified roll of third order, corrected by two settings of each side: as far as their exact flanks can follow."""
     path = tmp_path / "pinion.csv"
@@ -171,6 +174,7 @@ def test_settings_that_act_alike_are_named(hypoid: Design, tmp_path: Path) -> No
     assert correct_settings(hypoid, "pinion", path, settings=names[::2]).warnings == made.warnings[:-1]
 
 
+@pytest.mark.sweep
 def test_tilt_is_told_with_its_sense_and_zero(hypoid: Design, tmp_path: Path) -> None:
     path = tmp_path / "pinion.csv"
     measured(path, hypoid, {"radial": 0.005})
@@ -230,6 +234,7 @@ def test_wrong_input_is_one_line(hypoid: Design, tmp_path: Path) -> None:
         correct_settings(arcs, "pinion", flank)
 
 
+@pytest.mark.sweep
 def test_the_sample_that_was_measured_says_what_was_off() -> None:
     """Its own text: 0.06 mm of the blank's offset and 1 arcmin of the root angle, with 0.5 um of noise."""
     made = gm.build(gm.load(SAMPLES / "hypoid_measured.toml")).correct(
@@ -240,6 +245,7 @@ def test_the_sample_that_was_measured_says_what_was_off() -> None:
     assert made.solution.noise == pytest.approx(5e-4, rel=0.2)
 
 
+@pytest.mark.sweep
 def test_one_flank_of_a_measured_design_counts_alone() -> None:
     gears = gm.build(gm.load(SAMPLES / "hypoid_measured.toml"))
     whole, left = (gears.evaluate("pinion", flank=flank).figures.flanks for flank in ("both", "left"))

@@ -77,6 +77,9 @@ def corrected(path: Path, design: Design, off: Mapping[str, float], noise: float
         ("axial_position", 0.04, None),
     ],
 )
+@pytest.mark.sweep_cases(
+    "offset-0.3-offset=80.3", "pressure_angle-0.2-pressure_angle=25.2", "shaft_angle-0.1-shaft_angle=90.1"
+)
 def test_a_setting_makes_the_flank_of_another_pair(key: str, change: float, other: str | None) -> None:
     """A changed setting makes the flank of a pair with those axes or that pressure angle. A changed axial position makes the
     same flank, displaced along the axis."""
@@ -119,6 +122,7 @@ def test_the_worm_grinds_what_the_shaper_does(off: dict[str, float]) -> None:
         np.testing.assert_allclose(fillets[0].jet(q, feed).r, at.r, atol=1e-8)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "key", [*list(CHANGES)[:1], *(pytest.param(k, marks=pytest.mark.sweep) for k in list(CHANGES)[1:5])]
 )
@@ -169,6 +173,7 @@ def test_noise_moves_settings_by_what_is_stated(tmp_path: Path) -> None:
     assert "thickness" not in {setting.name for setting in one.settings}
 
 
+@pytest.mark.sweep
 def test_other_settings_are_refused(tmp_path: Path) -> None:
     design, file = design_of(), tmp_path / "gear.csv"
     file.write_text(residual_text({side: along_normals(gear(design), side, gear(design), (2, 3)) for side in Side}))

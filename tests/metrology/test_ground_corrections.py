@@ -72,6 +72,7 @@ def ground(gears: gm.Gears, name: str, off: dict[Side, dict[str, float]]) -> dic
     return grids
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "name"), [("helical", "pinion"), pytest.param("internal", "gear", marks=pytest.mark.sweep)]
 )
@@ -149,6 +150,7 @@ def test_what_is_left_is_dressed(tmp_path: Path) -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases("options1---settings = left.helix_slope: does not move the flanks that were measured")
 def test_other_settings_are_refused(options: list[str], message: str, tmp_path: Path) -> None:
     file = tmp_path / "flank.csv"
     file.write_text(residual_text(ground(built_sample("helical"), "pinion", {Side.RIGHT: {"helix_slope": 0.004}})))

@@ -70,6 +70,7 @@ def inspected(hand: str, helix: float, alpha: float) -> tuple[Inspection, float,
 
 
 @pytest.mark.parametrize("hand", ["right", "left"])
+@pytest.mark.sweep_cases("right")
 def test_larger_helix_angle_gives_a_positive_helix_slope(hand: str) -> None:
     """A turn of w per mm more along the axis is r_b w b on the tangent to the base cylinder, on both flanks."""
     answer, rate, _ = inspected(hand, 0.01, 0.0)

@@ -134,6 +134,7 @@ def crowned_and_measured(folder: Path) -> tuple[gm.Contact, gm.Contact]:
     return crowned.contact(), gm.build(design.with_values(files)).contact()
 
 
+@pytest.mark.sweep
 def test_a_measured_flank_is_that_of_the_design_that_made_it(tmp_path: Path) -> None:
     """Transmission error and backlash."""
     one, other = crowned_and_measured(tmp_path)

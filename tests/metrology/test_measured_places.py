@@ -238,6 +238,7 @@ def test_load_meets_the_flanks_where_they_are() -> None:
             assert own == pytest.approx(force.sum() if alone else 0.0)
 
 
+@pytest.mark.sweep
 def test_bodies_that_repeat_a_tooth_say_so(tmp_path: Path) -> None:
     gears = spur(as_key("pinion_pitch_right", 1e-3 * np.arange(16.0)))
     line = "pinion: its teeth are at their nominal places"

@@ -100,6 +100,7 @@ def tomllib_name(read: Reader) -> str:
     return str(tomllib.loads(text)["name"])
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("planetary", "spiral_bevel_abdullah_straight")
 @pytest.mark.parametrize("sample", ["spiral_bevel_abdullah_straight", "planetary", "rack"])
 def test_page_rolls_the_gears_as_the_solver_does(sample: str) -> None:
@@ -125,6 +126,7 @@ def test_page_rolls_the_gears_as_the_solver_does(sample: str) -> None:
             assert np.abs(placed - fixed).max() < 2e-4  # mm: single precision at some 100 mm
 
 
+@pytest.mark.sweep
 def test_page_s_teeth_and_bodies_are_the_whole_solids() -> None:
     """Volume enclosed by the teeth, drawn as often as there are, and what is under them."""
     for sample in ("double_helical", "rack", "spur_relieved"):
@@ -151,6 +153,7 @@ def test_card_writes_three_digits_without_exponent(value: float, text: str) -> N
     assert card.number(value) == text
 
 
+@pytest.mark.sweep
 def test_card_reads_as_the_solver_says(monkeypatch: pytest.MonkeyPatch) -> None:
     """Words and units on the card of gears that fit and of gears that jam. The warning that comes first says what jams."""
     # by how much to move the members apart is not what is here
@@ -272,6 +275,7 @@ def test_page_holds_finished_studies(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("eccentricity", [0.02, 0.0])
+@pytest.mark.sweep_cases("0.02")
 def test_plots_have_eccentric_members_over_whole_turns(eccentricity: float) -> None:
     few_teeth = ("pinion.teeth=16", "gear.teeth=16", "assembly.center_distance=48")
     gears = gm.build(gm.load(SAMPLES / "spur.toml", [*few_teeth, f"assembly.pinion_eccentricity={eccentricity}"]))

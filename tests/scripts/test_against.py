@@ -23,6 +23,7 @@ def test_figures_are_compared_by_their_paths_and_times_are_not() -> None:
     }
 
 
+@pytest.mark.sweep
 def test_a_command_beside_itself_has_the_same_figures(tmp_path: Path) -> None:
     command = against.Command("describe samples/spur.toml --json -", "", "seconds_are_no_figure")
     pythons = (Path(sys.executable), Path(sys.executable))

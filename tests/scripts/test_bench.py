@@ -37,6 +37,7 @@ def test_the_bench_of_start_up_knows_what_each_dependency_is_loaded_for() -> Non
     assert sorted(bench.USES) == sorted(bench.direct_dependencies())
 
 
+@pytest.mark.sweep
 def test_growth_of_loaded_contact_is_measured_against_the_finest(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     monkeypatch.delitem(sys.modules, "load_bench", raising=False)

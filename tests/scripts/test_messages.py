@@ -23,6 +23,7 @@ def everything() -> list[Any]:
     return found
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_the_list_has_every_kind_of_text(tmp_path: Path) -> None:
     """A refusal by its field, a warning, a figure, a key, a command with its option, a docstring, and texts inside of others."""

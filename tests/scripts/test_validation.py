@@ -26,7 +26,7 @@ def test_every_part_is_in_the_table_of_the_site() -> None:
     assert len(rows) >= 30
 
 
-@pytest.mark.sweep_cases("lt85")
+@pytest.mark.sweep_cases("lt85", "iso23509")
 @pytest.mark.parametrize("part", [*FAST, "lt85"])
 def test_lines_are_those_that_are_computed(part: str) -> None:
     """Texts and figures as printed; what is below rounding differs from processor to processor, and is not among these."""

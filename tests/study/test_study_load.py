@@ -100,6 +100,7 @@ def bodies_in(design: Path, *keys: str) -> Bodies:
     return Bodies(gears.design, gears.pairs[0])
 
 
+@pytest.mark.sweep
 def test_variants_of_micro_geometry_take_the_bodies_of_the_unchanged_design(bodies: list[str]) -> None:
     """3 um of crowning: figures within 2e-3 of those of its own bodies; 20 um and another bore are other bodies."""
     key, names = "pinion.modifications.profile_crowning", ["pinion_root_stress_30_1_mpa", "max_pressure_1_mpa"]
@@ -196,6 +197,10 @@ def test_the_contact_ratio_under_load_is_how_long_a_pair_carries(first: float, l
             "--record max_pressure_1_mpa: must be path, cycle, fit, turns, load with torque",
         ),
     ],
+)
+@pytest.mark.sweep_cases(
+    "words1---torque 40,80: needs figures under load; record = load has them",
+    "words3---record max_pressure_1_mpa: must be path, cycle, fit, turns, load with torque",
 )
 def test_torques_and_their_figures_need_each_other(
     words: list[str], said: str, monkeypatch: pytest.MonkeyPatch

@@ -289,6 +289,7 @@ def test_estimates_do_not_depend_on_rounding_where_tooth_pairs_are_level(roundin
     assert np.isfinite(gears_advance(paths, 1.0)).all()
 
 
+@pytest.mark.sweep
 def test_the_pattern_shifts_from_the_nominal_assembly() -> None:
     """Errors of assembly that the design itself sets count, too; places are those of tooth contact analysis."""
     own = gm.build(gm.load(SAMPLES / "spiral_bevel_basic.toml", ["assembly.dV=0.05"]))

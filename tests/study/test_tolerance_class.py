@@ -45,6 +45,7 @@ class RemovedAmounts:
         return np.asarray(-flank.amount.jet(roll, points[..., 2]).a * np.cos(self.base_helix))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("sample", "member"), [("helical", "pinion"), ("internal", "gear")])
 def test_the_ends_of_what_is_drawn_are_the_tolerances(sample: str, member: str) -> None:
     """Every key alone at the end of its spread: the inspection finds the tolerance, within what sampling misses of a form."""
@@ -88,6 +89,7 @@ def test_a_class_is_drawn_about_the_design_and_beside_other_keys() -> None:
 
 
 @pytest.mark.parametrize(("sample", "name"), [("helical", "pinion"), ("hypoid", "gear")])
+@pytest.mark.sweep_cases("hypoid-gear")
 def test_drawn_teeth_are_within_their_class(sample: str, name: str) -> None:
     """Single pitch deviations have a third of their tolerance as standard deviation, neighbours share half of it with the other
     sign; both sides have one eccentricity; nothing is beyond the class; one number draws one gear."""
@@ -144,6 +146,9 @@ def test_a_study_of_a_class_has_the_long_transmission_error(tmp_path: Path) -> N
             "flanks of beveloid gears have no tolerances; allowed is cylindrical and bevel gears",
         ),
     ],
+)
+@pytest.mark.sweep_cases(
+    "beveloid_crossed-class:6-flanks of beveloid gears have no tolerances; allowed is cylindrical and bevel gears"
 )
 def test_classes_that_there_are_not_are_refused(sample: str, text: str, message: str) -> None:
     assert message in refused("study", SAMPLES / f"{sample}.toml", "--sample", "4", "--tolerance", text)

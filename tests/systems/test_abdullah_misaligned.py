@@ -16,6 +16,7 @@ from gearmesh.kernel.numeric.algebra import ARCSEC
 
 @pytest.mark.parametrize("axial", [0.0, -0.05])
 @pytest.mark.parametrize(("side", "last"), [("concave", -18.0), ("convex", 18.0)])
+@pytest.mark.sweep_cases("concave--18.0--0.05", "concave--18.0-0.0", "convex-18.0-0.0")
 def test_contact_is_that_of_swept_cones(side: str, last: float, axial: float) -> None:
     """The printed settings define phi1 = 0 and phi2 = 0: both members are as cut at cradle rotation 0."""
     design = load(

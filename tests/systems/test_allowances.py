@@ -84,6 +84,7 @@ def test_a_letter_gives_the_allowances_of_the_reference_diameter(units: str) -> 
     assert gm.parse(design.resolve()) == design
 
 
+@pytest.mark.sweep
 def test_the_sheet_states_letters_and_limits() -> None:
     """Sheet of a design with letters has the figures of the same limits given as numbers."""
     ends = {"pinion": (-0.054, -0.084), "gear": (-0.07, -0.11)}
@@ -101,6 +102,7 @@ def test_the_sheet_states_letters_and_limits() -> None:
             assert tables[title][symbol] == pytest.approx(values, abs=EXACT), symbol
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("True")
 @pytest.mark.parametrize("internal", [False, True])
 def test_backlash_is_least_and_largest_at_the_ends_of_all_allowances(internal: bool) -> None:
@@ -125,6 +127,7 @@ def test_backlash_is_least_and_largest_at_the_ends_of_all_allowances(internal: b
     assert backlash["j_bn"][2] < backlash["j_bn"][1] < backlash["j_bn"][3]
 
 
+@pytest.mark.sweep
 def test_sets_and_racks_state_exactly_the_given_allowances() -> None:
     thick = {"thickness_allowance": "e24"}
     tables = tables_of(design_of("planetary", sun=thick, assembly={"center_distance_allowance": "js6"}))

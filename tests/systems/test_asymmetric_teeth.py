@@ -51,6 +51,7 @@ def cylindrical(keys: dict[str, Any], **more: Any) -> dict[str, Any]:
     return {**keys, "kind": "cylindrical", "helix_angle": helix, **members, **more}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("flank", ["right", "left"])
 @pytest.mark.parametrize(
     "keys", [with_helix(0.0), with_helix(15.0), with_helix(10.0, gear=RING)], ids=["spur", "helical", "ring"]
@@ -414,6 +415,7 @@ def test_refusals() -> None:
         assert refusal.value.key == "coast_pressure_angle"
 
 
+@pytest.mark.sweep
 def test_tangents_of_30_deg_are_those_of_each_side() -> None:
     """Both sides change places with the pressure angles; the side of a symmetric tooth has half of its chord."""
     found = {}

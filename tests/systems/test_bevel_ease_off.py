@@ -90,7 +90,9 @@ def parameters_of_map(design: gm.Design, gears: gm.Gears) -> tuple[np.ndarray, n
     return parameters[1:], um - columns @ parameters
 
 
-@pytest.mark.sweep_cases("formate-concave", "inch-convex", "zerol-convex", "right-concave")
+@pytest.mark.sweep_cases(
+    "formate-concave", "inch-convex", "zerol-convex", "right-concave", "basic-concave", "hypoid-convex"
+)
 @pytest.mark.parametrize(("name", "side"), in_turn(PAIRS, ["concave", "convex"]))
 def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:
     target = TARGETS[name]
@@ -151,6 +153,7 @@ def test_given_settings_have_the_same_flanks(tmp_path: Any) -> None:
         np.testing.assert_allclose(first, second, rtol=0, atol=1e-7)
 
 
+@pytest.mark.sweep
 def test_too_much_is_told_with_its_figure() -> None:
     gears = gm.build(asked(PAIRS["basic"], "convex", (0, 0, 0, 0, 0)))
     told = [line for line in gears.warnings if "residual topography of pinion.convex" in line]

@@ -41,7 +41,7 @@ def backlash_of(design: Design) -> float:
     return fitted.normal_backlash[0]
 
 
-@pytest.mark.sweep_cases("1.0")
+@pytest.mark.sweep_cases("1.0", "0.5")
 @pytest.mark.parametrize("shift", [1.0, 0.5, -25.0])
 def test_another_zero_of_the_cradle_is_another_index_and_the_same_tooth(shift: float) -> None:
     """If the cradle stands farther at its zero, the blank stands back by as much over the ratio of roll."""

@@ -103,7 +103,7 @@ def along_normals(side: Generated, points: Array, normals: Array, q: Array) -> A
     return along_to_cone(cutter_to_blank(side, q), (blade.tip_radius, slope), points, normals)
 
 
-@pytest.mark.sweep_cases("pinion concave-left", "gear convex-right")
+@pytest.mark.sweep_cases("pinion concave-left", "gear convex-right", "pinion concave-right")
 @pytest.mark.parametrize("hand", HAND_SIGNS)
 @pytest.mark.parametrize("name", some(["pinion concave", "pinion convex", "gear concave", "gear convex"], 2))
 def test_flanks_are_what_swept_cutters_leave(hand: str, name: str) -> None:
@@ -300,6 +300,7 @@ def test_a_completing_cutter_leaves_its_point_width_and_the_backlash_that_follow
         gm.build(design_of(**completing(1.0)))
 
 
+@pytest.mark.sweep
 def test_blades_of_one_cutter_that_cross_are_refused_for_their_point_width() -> None:
     """Summaries of pinions whose sides are cut one by one can have blades that cross as one cutter. The refusal computes no
     tooth thickness and advises no width."""
@@ -312,6 +313,7 @@ def test_blades_of_one_cutter_that_cross_are_refused_for_their_point_width() -> 
     assert alone.contact(phi1=0.0, cycle=False).path.kind[0] == "point"
 
 
+@pytest.mark.sweep
 def test_refused_teeth_of_given_machines_name_edge_radii_and_index_angles() -> None:
     given = gm.load(SAMPLES / "spiral_bevel_abdullah_straight.toml").with_values({"backlash": 3.0})
     edges = r"a smaller pinion\.concave\.edge_radius and pinion\.convex\.edge_radius \(such as 0\.01\)"
@@ -368,6 +370,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("more", "message"), REFUSED)
+@pytest.mark.sweep_cases("more9-gear\\\\.cutter\\\\.toprem_height = 9 mm: allowed is less than half the depth, ")
 def test_refused(more: dict[str, Any], message: str) -> None:
     with pytest.raises(GearmeshError, match=message) as error:
         gm.build(design_of(**more))
@@ -396,6 +399,7 @@ def test_sides_that_are_cut_at_once_have_one_machine() -> None:
         design_of(**design)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "toprem",
     some([{"toprem_radius": 25.0}, {"toprem_angle": 13.0}, {"toprem_height": 0.8, "toprem_angle": 9.0}], 1),
@@ -495,6 +499,7 @@ def test_the_sheet_shows_tilt_and_motions_and_loads_back() -> None:
 
 
 @pytest.mark.parametrize(("process", "within"), [("fixed_setting", 0.02), ("formate_fixed", 1e-4)])
+@pytest.mark.sweep_cases("formate_fixed-0.0001")
 def test_slot_widths_of_the_gear_are_its_point_width(process: str, within: float) -> None:
     """Slot widths of a Formate gear are the cutter's point width all along the face. A generated gear has nearly that width,
     because its cutter comes to toe and heel from other angles."""

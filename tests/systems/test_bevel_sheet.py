@@ -123,6 +123,7 @@ def test_the_design_that_settings_writes_is_the_same_pair(
 
 
 @pytest.mark.parametrize("name", some(PAIRS, 3))
+@pytest.mark.sweep_cases("zerol")
 def test_formulas_hold_on_the_exact_teeth(name: str) -> None:
     """Thicknesses and chords within 1 %, of Formate and curved teeth too, spiral angles within 0.5 deg at the mean."""
     tables = tables_of(name)
@@ -211,6 +212,7 @@ def mean_frame(member: Any, station: float) -> tuple[Array, Array, Array]:
     return tip, up, along / np.linalg.norm(along)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some(["right", "zerol"], 1))
 def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
     """Measure the chord on dense grids of the flanks, seen along the tooth."""
@@ -227,6 +229,7 @@ def test_the_chord_is_what_a_calliper_reads(name: str) -> None:
         assert abs(ends[0] - ends[1]) == pytest.approx(tables[CUT]["s_mnc"][k], abs=2e-4)
 
 
+@pytest.mark.sweep
 def test_sheet_and_drawing_have_dimensions_of_the_cut_teeth() -> None:
     """Pair for which the standard's formulas are up to 30 um and 0.4 mm off. Second route: thickness from grids of the flanks,
     tip and root from points."""
@@ -269,7 +272,7 @@ def involute(angle: float) -> float:
     return float(np.tan(angle) - angle)
 
 
-@pytest.mark.sweep_cases("inch")
+@pytest.mark.sweep_cases("inch", "spiral_bevel_abdullah_curved")
 @pytest.mark.parametrize("name", PAIRS)
 def test_top_lands_are_nearly_those_of_the_virtual_gears(name: str) -> None:
     """Involutes on the virtual circle of the normal section: within a tenth of a module."""
@@ -283,6 +286,7 @@ def test_top_lands_are_nearly_those_of_the_virtual_gears(name: str) -> None:
         assert unit * tables[CUT]["s_amn"][k] == pytest.approx(land, abs=0.1 * blank.mean_normal_module)
 
 
+@pytest.mark.sweep
 def test_the_transverse_contact_ratio_is_that_of_virtual_teeth_in_mesh() -> None:
     """Traced on involutes: the line of action between both tips, over the base pitch."""
     blank = basic_blank(design_named("inch").in_mm())
@@ -453,6 +457,7 @@ def test_forces_of_a_pair_are_in_balance_and_near_the_formulas() -> None:
     assert rows["F_ax_n"][1] > 0.0 > rows["F_ax_n"][3]
 
 
+@pytest.mark.sweep
 def test_the_sheet_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     sample = str(SAMPLES / "spiral_bevel_basic.toml")

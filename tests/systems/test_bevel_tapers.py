@@ -63,6 +63,7 @@ def test_duplex_slots_are_as_wide_at_the_toe_as_at_the_heel() -> None:
     assert abs(spread["standard"] - 1.0) > abs(spread["duplex"] - 1.0)
 
 
+@pytest.mark.sweep
 def test_uniform_teeth_are_as_deep_everywhere() -> None:
     (rows,) = (
         table for title, table in gears("uniform").sheet().plain_tables.items() if title.startswith("Dimensions")
@@ -157,6 +158,7 @@ def test_root_lines_through_the_apex_are_told_by_their_depth() -> None:
     assert leant.gear.root_angle == pytest.approx(plain.gear.root_angle, abs=1e-12)
 
 
+@pytest.mark.sweep
 def test_settings_written_are_the_same_pair(tmp_path: Path) -> None:
     written = gm.load(gears("duplex").sheet().save(tmp_path / "given.toml"))
     for name, member in gears("duplex").members.items():

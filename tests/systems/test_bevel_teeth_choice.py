@@ -71,6 +71,7 @@ def test_proportions_that_the_design_says_stand() -> None:
     assert depth.gear.mean_addendum < 0.9 * blank.gear.mean_addendum
 
 
+@pytest.mark.sweep
 def test_whole_teeth_are_as_the_standard_suggests() -> None:
     design = gm.parse(EXAMPLE).in_mm()
     assert bevel_teeth(design).cut.blank == basic_blank(design)

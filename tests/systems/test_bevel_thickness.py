@@ -115,6 +115,7 @@ def test_blades_of_one_cut_leave_no_thickness_to_ask_for() -> None:
         design.with_values({"backlash": None, "pinion.thickness": 5.9})
 
 
+@pytest.mark.sweep
 def test_the_thickness_that_is_said_to_be_allowed_has_no_backlash() -> None:
     design = without_backlash(gm.load(GIVEN))
     with pytest.raises(DesignError) as refused:

@@ -213,6 +213,7 @@ def test_features_make_solids_of_the_right_volume(case: str) -> None:
     assert meshed[0].volume - meshed[1].volume == pytest.approx(expected, rel=1e-2)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("ring with steps", "hexagon of a bevel wheel")
 @pytest.mark.parametrize(
     "case",

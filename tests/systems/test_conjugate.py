@@ -53,7 +53,13 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 @pytest.mark.sweep_cases(
-    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+    "1-left-pinion_concave",
+    "1-right-pinion_convex",
+    "2-left-pinion_convex",
+    "2-right-pinion_concave",
+    "1-left-pinion_convex",
+    "2-left-pinion_concave",
+    "2-right-pinion_convex",
 )
 def test_line_of_action(case: Case) -> None:
     wanted = case.fixed(case.forms.line_of_action(case.phi_d))
@@ -65,14 +71,26 @@ def test_line_of_action(case: Case) -> None:
 
 
 @pytest.mark.sweep_cases(
-    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+    "1-left-pinion_concave",
+    "1-right-pinion_convex",
+    "2-left-pinion_convex",
+    "2-right-pinion_concave",
+    "1-left-pinion_convex",
+    "2-left-pinion_concave",
+    "2-right-pinion_convex",
 )
 def test_motion_is_conjugate(case: Case) -> None:
     assert np.ptp(case.path.te) < 1e-8 * ARCSEC
 
 
 @pytest.mark.sweep_cases(
-    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+    "1-left-pinion_concave",
+    "1-right-pinion_convex",
+    "2-left-pinion_convex",
+    "2-right-pinion_concave",
+    "1-right-pinion_concave",
+    "2-left-pinion_concave",
+    "2-right-pinion_convex",
 )
 def test_paths_on_both_members(case: Case) -> None:
     scale = 1e-9 * case.forms.cone_distance
@@ -86,7 +104,13 @@ def test_paths_on_both_members(case: Case) -> None:
 
 
 @pytest.mark.sweep_cases(
-    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+    "1-left-pinion_concave",
+    "1-right-pinion_convex",
+    "2-left-pinion_convex",
+    "2-right-pinion_concave",
+    "1-left-pinion_convex",
+    "2-left-pinion_concave",
+    "2-right-pinion_convex",
 )
 def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
     sections = case.gears.pinion.tooth.blank.axial.value(case.path.point1)
@@ -100,7 +124,12 @@ def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
 
 
 @pytest.mark.sweep_cases(
-    "1-left-pinion_concave", "1-right-pinion_convex", "2-left-pinion_convex", "2-right-pinion_concave"
+    "1-left-pinion_concave",
+    "1-right-pinion_convex",
+    "2-left-pinion_convex",
+    "2-right-pinion_concave",
+    "2-left-pinion_concave",
+    "2-right-pinion_convex",
 )
 def test_curvatures_at_the_mean_point(case: Case) -> None:
     middle = np.flatnonzero(PHI1 == 0.0)
@@ -124,6 +153,7 @@ def test_curvatures_at_the_mean_point(case: Case) -> None:
     assert (np.linalg.eigvalsh(relative) < 0.0).all()
 
 
+@pytest.mark.sweep
 def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
     found = contact_of(load(SAMPLES / "spiral_bevel_geometry1.toml"))
     assert set(found.path.kind) == {"point"}
@@ -143,13 +173,18 @@ def test_sample_runs_without_error_from_tooth_to_tooth() -> None:
         (1e6, "rho = 1000000.0: must be a length in mm above 0 and up to 50000"),
     ],
 )
-@pytest.mark.sweep_cases("5680.0-up to 5674.01 mm")
+@pytest.mark.sweep_cases(
+    "5680.0-up to 5674.01 mm",
+    "1.0-rho = 1 mm: allowed is more than 8.295 mm",
+    "8.29-rho = 8.29 mm: allowed is more than 8.295 mm",
+)
 def test_profile_radius_that_no_tooth_can_have(rho: float, words: str) -> None:
     with pytest.raises(DesignError) as refused:
         pair_of(load(SAMPLES / "spiral_bevel_geometry2.toml", [f"rho={rho}"]))
     assert words in str(refused.value)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("8.3")
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rho", [8.3, 5670.0])

@@ -23,6 +23,7 @@ def choice_of(path: Path, *keys: str) -> tuple[CutterChoice, float]:
     return CutterChoice(own, root_radius(found.gear("gear")), cutter_of(found.gear("gear"))), found.tips[1]
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
 def test_tooth_numbers_are_those_of_every_cutter_tried(path: Path) -> None:
     chosen, tip = choice_of(path)

@@ -82,6 +82,7 @@ def test_backlash_wanted_is_backlash_measured(pair: tuple[Any, gm.Gears]) -> Non
     assert summary["mesh_te_peak_to_peak_arcsec"] < 1e-7
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases(
     "ring_drives", "internal_helical", "few_and_many", "internal_oblique", "left_helical", "shaped", "shifted"
 )
@@ -187,6 +188,7 @@ def _fewest_against_trimming(cutter: Toothing, addendum: float, ring_addendum: f
         teeth += 1
 
 
+@pytest.mark.sweep
 def test_the_least_internal_gears_against_trimming_are_the_published_ones() -> None:
     """Table "limit to prevent an internal gear from trimming interference" of gear makers' handbooks, 20 deg, no shifts."""
     published = {
@@ -296,6 +298,7 @@ def test_inputs_that_say_the_same_are_the_same() -> None:
         )
 
 
+@pytest.mark.sweep
 def test_allowances_of_the_thickness_are_taken_in_their_middle() -> None:
     allowance = {"thickness_allowance": {"upper": -0.04, "lower": -0.07}}
     design = parsed({"teeth": 18, **allowance}, {"teeth": 45}, helix_angle=10)
@@ -330,7 +333,11 @@ def test_allowances_of_the_thickness_are_taken_in_their_middle() -> None:
         ({"teeth": 20, "thickness_allowance": {"upper": -0.2, "lower": -0.1}}, {"teeth": 22}, {}, "lower = -0.1"),
     ],
 )
-@pytest.mark.sweep_cases("pinion7-gear7-keys7-assembly.center_distance = 70")
+@pytest.mark.sweep_cases(
+    "pinion7-gear7-keys7-assembly.center_distance = 70",
+    "pinion10-gear10-keys10-pinion.thickness_allowance",
+    "pinion8-gear8-keys8-gear.tip_diameter = 112",
+)
 def test_what_cannot_be_is_refused_in_one_line(
     pinion: dict[str, Any], gear: dict[str, Any], keys: dict[str, Any], named: str
 ) -> None:

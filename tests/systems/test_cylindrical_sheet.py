@@ -56,6 +56,7 @@ def sheet_of(gears: gm.Gears) -> dict[str, list[Any]]:
     return {key: sheet.plain_tables[table.title][key][1:] for table in sheet.tables for key in table.symbols}
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("spur_shifted", "internal_helical", "spur", "helical_right", "internal_spur")
 @pytest.mark.parametrize("name", PAIRS)
 def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
@@ -104,6 +105,7 @@ def test_measures_are_those_of_the_exact_surfaces(name: str) -> None:
         assert 2.0 * math.hypot(base, form_point) == pytest.approx(own["d_Ff"], abs=EXACT)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("internal_helical", "helical_left")
 @pytest.mark.parametrize("name", ["spur_shifted", "helical_left", "internal_spur", "internal_helical"])
 def test_backlash_contact_and_clearance_are_those_of_the_contact_solver(name: str) -> None:
@@ -145,6 +147,7 @@ UNDERCUT: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("near_the_base_circle-right", "spur-right", "pinion-right", "gear-left")
 @pytest.mark.parametrize(("name", "flank"), in_turn(UNDERCUT, ["right", "left"]))
 def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: str, flank: str) -> None:
@@ -156,6 +159,7 @@ def test_contact_ratios_of_undercut_pairs_are_those_of_the_contact_solver(name: 
         assert summary[key] == pytest.approx(sheet[symbol][0], abs=2.0 * EXACT), symbol
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("internal_spur")
 @pytest.mark.parametrize("name", ["spur_shifted", "internal_spur"])
 def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: str) -> None:
@@ -172,7 +176,16 @@ def test_specific_sliding_is_what_the_points_of_contact_do_on_the_flanks(name: s
         assert [1.0 - second / first, 1.0 - first / second] == pytest.approx(sheet[f"zeta_{point}"], abs=1e-3, rel=1e-3)
 
 
-@pytest.mark.sweep_cases("internal_helical", "internal_spur", "formed")
+@pytest.mark.sweep_cases(
+    "internal_helical",
+    "internal_spur",
+    "formed",
+    "helical_left",
+    "helical_right",
+    "internal_pinion",
+    "shaped",
+    "spur_shifted",
+)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_root_is_that_of_the_generated_fillet(name: str) -> None:
     """Compare root dimensions with points of the fillet alone; for a hobbed external spur gear also with ISO 6336-3, to which
@@ -286,6 +299,7 @@ BODIES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("keyed")
 @pytest.mark.parametrize("name", BODIES)
 def test_bodies_have_volume_mass_and_inertia_of_the_solid(name: str) -> None:

@@ -56,6 +56,7 @@ def test_a_rack_that_turns_past_square_is_undercut(crowning: str) -> None:
         assert (fillet.form_point_fillet > flank.form_point[1]).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("scale", some([8.0, 0.1], 1))
 def test_gears_many_times_as_large_are_the_same(scale: float) -> None:
     """Residuals of meshing, trimming and contact are rounded to the size of the gears: those of a large one are no failures."""

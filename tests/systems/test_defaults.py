@@ -33,6 +33,11 @@ ADAPTED = [
 
 
 @pytest.mark.parametrize(("sample", "given", "key", "standard"), some(ADAPTED, 5))
+@pytest.mark.sweep_cases(
+    "face_gear-given6-pinion.tool_tip_radius-0.25",
+    "face_gear-given8-shaper.addendum-1.25",
+    "novikov-given3-gear.tool_tip_radius-0.3",
+)
 def test_a_default_gives_way_and_says_so(sample: str, given: list[str], key: str, standard: float) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml", given))
     (line,) = (line for line in gears.warnings if line.startswith(f"{key} = "))
@@ -44,11 +49,13 @@ def test_a_default_gives_way_and_says_so(sample: str, given: list[str], key: str
     assert not any(line.startswith(f"{key} = ") for line in stated.warnings)
 
 
+@pytest.mark.sweep
 def test_where_there_is_room_the_standard_stays() -> None:
     for sample in ("spur", "helical", "novikov", "modified_involute", "face_gear", "spiral_bevel_basic", "zerol"):
         assert gm.build(gm.load(SAMPLES / f"{sample}.toml")).warnings == ()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("module", some([0.05, 0.1, 0.2], 1))
 def test_small_bevel_teeth(module: float) -> None:
     """The marking compound is no thicker than small teeth bear: the same gears in any size."""
@@ -60,6 +67,7 @@ def test_small_bevel_teeth(module: float) -> None:
 
 
 @pytest.mark.parametrize("backlash", ["0.1mm", "0.1"])
+@pytest.mark.sweep_cases("0.1")
 def test_circular_arc_gears_turn_by_their_backlash(backlash: str) -> None:
     """At theta0 on either side the play on the pitch circle is j / (cos(theta0) sin(lambda)); a bare 0.1 is in inches."""
     turns = []
@@ -78,6 +86,7 @@ def test_circular_arc_gears_turn_by_their_backlash(backlash: str) -> None:
 # ---------------------------------------------------------------- the face gear's tips and the pinion's root
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("face_gear-given0", "face_gear-given1", "face_gear-given2", "face_gear-given3")
 @pytest.mark.parametrize(
     ("sample", "given"),
@@ -95,6 +104,7 @@ def test_the_tips_of_a_face_gear_clear_the_pinions_root(sample: str, given: list
     assert _deepest(pair) <= (1e-4 if sample == "face_gear_conjugate" else -1e-3)
 
 
+@pytest.mark.sweep
 def test_the_distance_sees_a_root_that_is_too_round() -> None:
     pair = gm.build(gm.load(SAMPLES / "face_gear.toml", ["pinion.tool_tip_radius=0.25", "pinion.dedendum=1.25"])).pairs[
         0

@@ -86,6 +86,7 @@ def test_bounds_go_by_how_far_figures_are_beyond_their_limits(
     assert 3 < len(builds) <= most
 
 
+@pytest.mark.sweep
 def test_keys_without_influence_are_moved_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The root below a bore does not depend on crowning, backlash, or the rack: these were moved six times each."""
     moved: dict[str, int] = {}
@@ -119,6 +120,7 @@ BOUNDED = [
 
 
 @pytest.mark.parametrize(("sample", "given", "pattern", "beyond"), BOUNDED, ids=[row[1] for row in BOUNDED])
+@pytest.mark.sweep_cases("face_width=1e-6", "pinion.fillet_radius=0.1")
 def test_bounds_are_true(sample: str, given: str, pattern: str, beyond: float) -> None:
     def refusal(*overrides: str) -> str:
         try:
@@ -160,6 +162,7 @@ def test_what_several_keys_would_mend_names_them() -> None:
         gm.build(gm.load(SAMPLES / "beveloid_intersected.toml", ["pinion.profile_shift=1"]))
 
 
+@pytest.mark.sweep
 def test_limits_are_told_beyond_them_too() -> None:
     """Limits of a face gear that is undercut at its inner radius: they give the radius that would work, and the design beyond
     it."""
@@ -179,6 +182,7 @@ def test_limits_are_told_beyond_them_too() -> None:
 
 
 @pytest.mark.parametrize(("teeth", "mating", "shaper"), [(20, 100, 22), (21, 80, 23)])
+@pytest.mark.sweep_cases("21-80-23")
 def test_face_gears_of_20_deg_have_teeth(teeth: int, mating: int, shaper: int) -> None:
     """The inner radius that is left out is where the shaper's involute reaches the tips, not only where undercut ends."""
     given = ["module=3", "pressure_angle=20", "pinion.bore=20", "gear.bore=60"]
@@ -249,6 +253,7 @@ def test_what_was_put_in_anew_is_tried_first_and_the_search_ends(monkeypatch: py
         gm.load(file, [given])
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("novikov-pinion.tip_rounding-6.0")
 @pytest.mark.parametrize(
     ("kind", "key", "value"),
@@ -275,6 +280,7 @@ def test_the_bound_in_a_reason_and_the_search_share_one_effort(
     assert spent[0] < 1.15 * diagnosis.MAX_EFFORT
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("module", some([2.0, 4.0], 1))
 def test_of_an_unusual_offset_one_that_works_is_named(module: float) -> None:
     """11/22 teeth with an offset of 39 % of the gear's outer diameter: not the module or the teeth are what is unusual."""

@@ -69,7 +69,7 @@ def body(mesh: TriangleMesh) -> manifold3d.Manifold:
     )
 
 
-@pytest.mark.sweep_cases("internal")
+@pytest.mark.sweep_cases("internal", "featured", "gap", "internal_herringbone")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_whole_is_two_halves_and_the_gap(name: str) -> None:
     gears, halves = gm.build(design_of(name)), single(name)
@@ -96,6 +96,7 @@ def test_the_whole_is_two_halves_and_the_gap(name: str) -> None:
         assert whole == pytest.approx(2.0 * half.tooth.volume() + ring - holes, rel=1e-11)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some([name for name in DESIGNS if name != "featured"], 2))
 def test_halves_are_mirror_images_and_first_has_pinions_hand(name: str) -> None:
     gears = gm.build(design_of(name))
@@ -148,6 +149,7 @@ def test_contact_is_that_of_one_half_and_the_other_one_touches_alike(name: str) 
     assert below == pytest.approx(above, rel=0.02)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("gap")
 @pytest.mark.parametrize("name", some(DESIGNS, 2))
 def test_cad_and_sections(name: str) -> None:
@@ -192,6 +194,7 @@ def test_what_cannot_be_is_refused(keys: dict[str, Any], named: str) -> None:
     assert "\n" not in str(failure.value)
 
 
+@pytest.mark.sweep
 def test_the_sample_is_what_it_says() -> None:
     gears = gm.build(gm.load(SAMPLES / "double_helical.toml"))
     found = gears.contact().summary
@@ -202,6 +205,7 @@ def test_the_sample_is_what_it_says() -> None:
     assert members["hand"][1:] == ["right", "left"]
 
 
+@pytest.mark.sweep
 def test_limits_are_those_of_either_half() -> None:
     """Those of one half as a pair of its own, and a line that says so; an undercut half is told of once."""
     keys: dict[str, Any] = {"pinion": {"teeth": 12, "face_width": 48, "bore": 0}}

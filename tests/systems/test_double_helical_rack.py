@@ -37,6 +37,7 @@ def body(mesh: TriangleMesh) -> manifold3d.Manifold:
 
 @pytest.mark.parametrize("gap", [0.0, 2.0])
 @pytest.mark.parametrize("keys", [{}, BAR], ids=["plain", "bolts"])
+@pytest.mark.sweep_cases("bolts-0.0", "bolts-2.0")
 def test_the_whole_is_two_helical_racks_and_the_gap(gap: float, keys: dict[str, Any]) -> None:
     gears = bar(gap, **keys)
     rack, solid = gears.members["rack"], gears.solid("rack", 0.01)
@@ -80,6 +81,7 @@ def test_the_whole_is_two_helical_racks_and_the_gap(gap: float, keys: dict[str, 
     ],
     ids=["planes", "bolts", "chamfers", "roundings"],
 )
+@pytest.mark.sweep_cases("roundings")
 def test_cad_has_the_exact_volume_and_every_face_once(gap: float, keys: dict[str, Any]) -> None:
     gears = bar(gap, **keys)
     cad, rack = gears.cad("rack"), gears.members["rack"]
@@ -108,6 +110,7 @@ def test_blank_holds_the_bar(gap: float) -> None:
     assert mesh.figures["volume_mm3"] == pytest.approx(blank.volume(), rel=1e-9)
 
 
+@pytest.mark.sweep
 def test_pinion_and_rack_of_unequal_widths_mesh_in_both_halves() -> None:
     keys = {**TEETH, "arrangement": "double_helical", "backlash": 0.1, "pinion": PINION}
     design = {**keys, "gap": 2, "rack": {"teeth": 6, "face_width": 24}}

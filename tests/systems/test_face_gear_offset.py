@@ -33,6 +33,7 @@ def design(*overrides: str, sample: str = "face_gear_offset") -> FaceGearDesign:
     [(), ("shaft_angle=70", "contact.flank=left", "backlash=0.1"), ("offset=-150", "shaft_angle=100")],
     ids=" ".join,
 )
+@pytest.mark.sweep_cases("offset=-150 shaft_angle=100", "shaft_angle=70 contact.flank=left backlash=0.1")
 def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch_line(
     overrides: tuple[str, ...],
 ) -> None:
@@ -50,6 +51,7 @@ def test_aligned_pair_turns_uniformly_and_touches_with_normals_through_the_pitch
     np.testing.assert_allclose(np.sum(velocity * path.normal, axis=-1), 0.0, rtol=0, atol=1e-9)
 
 
+@pytest.mark.sweep
 def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_without_overlap() -> None:
     """Solver, flanks rolled on grids of exact points, and solids."""
     given = design("offset=30", "shaft_angle=80", "backlash=0.02", sample="face_gear_conjugate")
@@ -69,6 +71,7 @@ def test_shaper_like_the_pinion_is_conjugate_on_crossed_axes_without_overlap() -
     assert ahead.pieces[0].thickness > 0.03
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("module=0.5 offset=6.3 pinion.bore=4.7 gear.bore=60")
 @pytest.mark.parametrize(
     "overrides",
@@ -93,6 +96,7 @@ def test_solids_of_other_offset_pairs_touch_and_do_not_overlap(overrides: tuple[
 
 
 @pytest.mark.parametrize("overrides", [(), ("offset=-60", "shaft_angle=70")], ids=" ".join)
+@pytest.mark.sweep_cases("offset=-60 shaft_angle=70")
 def test_limits_of_both_flanks_by_closed_form_and_by_the_surface(overrides: tuple[str, ...]) -> None:
     given = design(*overrides)
     shaped, tooth = shaped_gear(given), pair_of(given).gear.tooth
@@ -134,7 +138,7 @@ def test_root_that_the_top_cylinder_generates_runs_into_both_fillets() -> None:
         assert root_matches(pair_of(design(*keys)).gear.tooth) < 1e-10
 
 
-@pytest.mark.sweep_cases("offset=900-")
+@pytest.mark.sweep_cases("offset=900-", "offset=500-")
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [

@@ -145,6 +145,7 @@ def test_worm_is_a_closed_body_whose_sections_are_whole() -> None:
     ],
     ids=lambda value: value[0] if isinstance(value, list) else "",
 )
+@pytest.mark.sweep_cases("worm.bore=500-", "worm.length=190-")
 def test_refusals_name_key_value_and_limit(overrides: list[str], words: str) -> None:
     with pytest.raises(DesignError) as failure:
         system.worm(load(SAMPLES / "face_gear.toml", overrides))

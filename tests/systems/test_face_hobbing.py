@@ -649,6 +649,7 @@ FEW_TEETH: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("pair", ["11_47", pytest.param("12_17", marks=pytest.mark.sweep)])
 @pytest.mark.sweep_cases("11_47-concave")

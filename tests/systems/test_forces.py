@@ -57,6 +57,7 @@ def exact(gears: gm.Gears, pair: int, torque: float) -> tuple[Any, Any]:
 
 
 @pytest.mark.parametrize("name", some(PAIRS, 2))
+@pytest.mark.sweep_cases("internal_pinion")
 def test_forces_are_those_of_the_exact_normals(name: str) -> None:
     """At any point of contact the flanks' normal, with the torque as its moment, has the printed parts along the axes and the
     line between them; on the gear its moment is the printed torque."""

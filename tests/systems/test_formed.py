@@ -64,6 +64,7 @@ def space_area(own: Toothing, tip: float, root: float, rounding: float) -> float
 
 
 @pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.sweep_cases("helical", "spur", "thinned")
 def test_flank_matches_shaped_gear_and_fillet_matches_given_arc(name: str) -> None:
     gears = gm.build(design_of(name))
     geometry, spec = geometry_of(gears)
@@ -134,6 +135,9 @@ def test_solids_contact_and_roll_test_agree() -> None:
         ({"shaper": {"teeth": 28}}, 'gear.manufacture = "formed": cannot be given together with shaper'),
         ({"teeth": 70}, 'gear.manufacture = "formed": only internal gears are formed'),
     ],
+)
+@pytest.mark.sweep_cases(
+    "ring5-gear.tip_diameter = 131 mm: .*: the involute ends on the base circle, .* at least 131.557 mm"
 )
 def test_what_no_form_tool_leaves_is_refused_in_one_line(ring: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words) as failure:

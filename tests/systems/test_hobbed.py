@@ -129,6 +129,7 @@ def swept(own: Toothing, contour: Array, radii: Array) -> Array:
     return found
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("semi_topping", "relieved", "barely")
 @pytest.mark.parametrize("case", some(HOBS, 5))
 def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> None:
@@ -172,6 +173,7 @@ def test_tooth_is_what_the_tools_leave_in_thousands_of_positions(case: str) -> N
     assert np.abs((half - left) * rho)[inside].max() < (4e-3 if sharp else 5e-5)
 
 
+@pytest.mark.sweep
 def test_a_tip_over_the_relief_of_a_protuberance_is_no_interference() -> None:
     """The fillet lies behind the flank: contact is lost there, and the exact surfaces have room."""
     teeth, hob, keys = HOBS["all"]
@@ -205,6 +207,7 @@ def test_solid_contact_cad_and_elements_have_the_edge(case: str, size: float) ->
     assert volume(solid_part(member, spline_tooth(member.tooth))) == pytest.approx(exact_volume(member), rel=1e-6)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("line_cut")
 @pytest.mark.parametrize("case", ["line_cut", "line_helical"])
 def test_form_diameter_of_the_sheet_is_where_the_hob_passes_the_involute(case: str) -> None:
@@ -253,6 +256,9 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
         ({"protuberance": 0.1}, {"shaper": {"teeth": 20}}, "pinion.hob: cannot be given together with shaper"),
     ],
 )
+@pytest.mark.sweep_cases(
+    "hob3-keys3-its line of 18 deg is longer than the flank", "hob5-keys5-the chamfers leave no land"
+)
 def test_refused_in_one_line(hob: dict[str, Any], keys: dict[str, Any], message: str) -> None:
     with pytest.raises(DesignError) as refused:
         gm.build(hobbed(20, hob, **keys))
@@ -260,6 +266,7 @@ def test_refused_in_one_line(hob: dict[str, Any], keys: dict[str, Any], message:
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.sweep
 def test_limits_say_that_undercut_is_hidden_behind_a_relief() -> None:
     """Ten teeth are undercut by the rounding alone, as the sheet says; where a protuberance relieves flanks it cannot be seen."""
     for hob, told in (

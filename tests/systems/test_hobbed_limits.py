@@ -48,6 +48,7 @@ def least(side: Generated, points: tuple[np.ndarray, np.ndarray], x: np.ndarray,
 
 
 @pytest.mark.parametrize("name", ["concave", "convex"])
+@pytest.mark.sweep_cases("concave")
 def test_undercut_ends_the_flank_where_moved_blades_graze_it(name: str) -> None:
     """The least distance of the rounding is 0 at the end of the flank; it clears the flank above, and cuts it below."""
     teeth = bevel_teeth(gm.parse(FEW_TEETH).in_mm())  # type: ignore[arg-type]

@@ -61,6 +61,7 @@ def grid_of(side: Generated) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("motions", [MOTIONS, ROLL_ALONE], ids=["motions", "modified_roll"])
 @pytest.mark.parametrize("process", ["face_hobbed", "face_hobbed_formate"])
+@pytest.mark.sweep_cases("face_hobbed-motions", "face_hobbed_formate-modified_roll", "face_hobbed_formate-motions")
 def test_flanks_of_moved_machines_are_the_lower_envelope_of_the_blades(
     process: str, motions: dict[str, tuple[float, ...]]
 ) -> None:
@@ -110,6 +111,7 @@ def test_no_motion_leaves_the_envelope_of_the_crown_gear() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.sweep_cases("concave")
 def test_modified_roll_gives_the_parabola_of_a_formed_gear(name: str) -> None:
     """The head stays near the gear's, and nearly straight; the contact is the one that is chosen, exactly."""
     gears = gm.build(gm.parse({**MANY_TEETH, "contact": {"side": f"pinion_{name}"}}))
@@ -150,6 +152,7 @@ def test_chosen_modified_roll_is_written_and_read_again() -> None:
         assert points[1] == pytest.approx(points[0], abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_compensation_restores_the_contact_of_a_misassembled_pair() -> None:
     """Ellipse and derivative of the ratio at the mean point are off by up to 9 %, and come back within 1.5 %."""
     design = gm.load("samples/hypoid_face_hobbed.toml").with_values(ERRORS)

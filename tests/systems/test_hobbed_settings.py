@@ -45,6 +45,7 @@ def test_given_settings_of_one_crown_gear_make_the_same_flanks(pinned: gm.Design
         assert points[1] == pytest.approx(points[0], abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_settings_of_one_crown_gear_that_were_off_come_back(pinned: gm.Design, tmp_path: Path) -> None:
     """The pinion is cut with three settings off; a correction of all usual settings finds them, and leaves nothing."""
     nominal = pinion(pinned)

@@ -89,6 +89,7 @@ def cut(design: Any) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("obtuse")
 @pytest.mark.parametrize("name", PAIRS)
 def test_axes_and_mean_point(name: str) -> None:
@@ -150,6 +151,7 @@ def test_tips_clear_the_roots_of_the_mating_gear(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.sweep_cases("obtuse")
 def test_cutters_reach_the_root_cones(name: str) -> None:
     design = design_of(name)
     blank = basic_blank(design)
@@ -213,6 +215,7 @@ def test_without_offset_the_pair_is_a_spiral_bevel_one() -> None:
     assert steps[1] / steps[2] == pytest.approx(10.0, rel=0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("name", "side"),
     some(
@@ -275,6 +278,7 @@ def test_whole_members_fit() -> None:
     assert summary["tip_clearance_pinion_mm"] == pytest.approx(basic_blank(gears.design.in_mm()).clearance, rel=2e-3)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("obtuse-left", "above-left")
 @pytest.mark.parametrize(
     ("name", "hand"),
@@ -367,7 +371,7 @@ def test_settings_given_as_they_were_derived_are_the_same_pair(more: dict[str, A
     np.testing.assert_allclose(paths[1].te, paths[0].te, rtol=0.0, atol=1e-3 * ARCSEC)
 
 
-@pytest.mark.sweep_cases("offset", "cutter", "clearance")
+@pytest.mark.sweep_cases("offset", "cutter", "clearance", "face")
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -414,6 +418,7 @@ def surface_polynomials(x: Array, y: Array, values: Array, order: int) -> Array:
     ("side", "radii"),
     [("concave", {-0.05: 77.25, 0.0: 78.17, 0.05: 79.05}), ("convex", {-0.05: 79.82, 0.0: 77.84, 0.05: 74.97})],
 )
+@pytest.mark.sweep_cases("concave-radii0")
 def test_an_offset_error_moves_drive_and_coast_contact_to_opposite_ends(side: str, radii: dict[float, float]) -> None:
     """At an offset angle of 17.23 deg dV = +0.05 moves contact of the drive side to the heel, of the coast side to the toe.
 

@@ -64,6 +64,7 @@ def test_flanks_are_screw_involutes_of_the_standard_thickness() -> None:
         assert own == pytest.approx(-side.sign * at, abs=1e-12)
 
 
+@pytest.mark.sweep
 def test_parallel_axes_are_those_of_a_cylindrical_pair() -> None:
     pinion = {"teeth": 18, "face_width": 10, "profile_shift": 0.2}
     ring = {"teeth": -50, "face_width": 10, "profile_shift": -0.1, "tip_diameter": 100}
@@ -79,6 +80,7 @@ def test_parallel_axes_are_those_of_a_cylindrical_pair() -> None:
         assert first[key] == pytest.approx(second[key], abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_crowned_pinion_touches_inside_the_flanks_and_full_teeth_on_edges() -> None:
     wide = {**CROSSED, "backlash": 0.15, "gear": {**CROSSED["gear"], "addendum": 0.7}}
     full = built(wide).contact([-12.0, -6.0, 0.0])
@@ -91,6 +93,7 @@ def test_crowned_pinion_touches_inside_the_flanks_and_full_teeth_on_edges() -> N
     assert crowned.summary["backlash_normal_min_mm"] == pytest.approx(0.15, abs=1e-3)
 
 
+@pytest.mark.sweep
 def test_solid_and_cad() -> None:
     gears = built({**CROSSED, "gear": {**CROSSED["gear"], "teeth": -24, "addendum": 0.6, "rim": 2}})
     ring, solid = gears.members["gear"], gears.solid("gear", 0.01)
@@ -114,6 +117,7 @@ def test_solid_and_cad() -> None:
         ("gear", {"tip_diameter": 48.1}, "gear.tip_diameter"),
     ],
 )
+@pytest.mark.sweep_cases("gear-keys6-gear.addendum", "gear-keys8-gear.tip_diameter")
 def test_refusals(member: str, keys: dict[str, Any], key: str) -> None:
     with pytest.raises(DesignError) as refusal:
         gm.build(gm.parse({**CROSSED, member: {**CROSSED[member], **keys}}))

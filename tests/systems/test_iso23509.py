@@ -253,6 +253,7 @@ def test_pitch_cones_of_a_known_pair_are_not_looked_for_again(monkeypatch: pytes
         with_offset(OffsetPair(*given, FaceCutter(90.5)))
 
 
+@pytest.mark.sweep
 def test_tip_and_root_cones_touch_their_planes(placed: list[tuple[OffsetPair, InSpace]]) -> None:
     """The pinion's tip cone touches a plane on the wheel's root cone at the clearance, and so do its root and the wheel's tip."""
     tapers, depths, gap = (0.02, 0.06), (2.0, 4.0), 0.7
@@ -388,6 +389,7 @@ def test_backlash_is_the_same_wherever_it_is_measured() -> None:
     )
 
 
+@pytest.mark.sweep
 def test_small_offsets_lead_to_none() -> None:
     """The cones of all methods go over into those of method 0, the distance in proportion to the offset."""
     for pair in (SAMPLE_2, SAMPLE_3, SAMPLE_4):

@@ -65,6 +65,7 @@ def test_balls_of_din_3977() -> None:
 
 
 @pytest.mark.parametrize("made", ["upper", "lower"])
+@pytest.mark.sweep_cases("upper")
 def test_teeth_measure_what_the_limits_say(made: str) -> None:
     """Planes and balls on the exact flanks, helical; the sheet has the limits again. Over balls thick teeth are the upper limit."""
     span = {"teeth": 3, "upper": 15.27, "lower": 15.24}
@@ -87,6 +88,7 @@ def test_teeth_measure_what_the_limits_say(made: str) -> None:
     assert tables["Backlash"]["j_bn"][3 if made == "upper" else 4] == tables["Backlash"]["j_bn"][2]
 
 
+@pytest.mark.sweep
 def test_a_ring_between_pins_is_thickest_at_their_lower_limit() -> None:
     """Internal spur teeth of the upper limit measure the lower limit between pins, in a gear without a mating gear and in a
     set. A planet's span without limits leaves its thickness."""
@@ -123,6 +125,7 @@ def shaping_distance(teeth: tuple[int, int], shift: float) -> float:
 
 
 @pytest.mark.parametrize("name", some(FED, 2))
+@pytest.mark.sweep_cases("ring")
 def test_a_tool_that_is_fed_leaves_the_root_that_the_sheet_states(name: str) -> None:
     """Roots, form diameters and thicknesses of the exact teeth, and the root of the mesh; the flanks are the same either way."""
     given = {"face_width": 6, "teeth": 30, "thickness_allowance": {"upper": -0.1, "lower": -0.3}, **FED[name]}
@@ -189,6 +192,10 @@ def test_a_tool_that_is_fed_leaves_the_root_that_the_sheet_states(name: str) -> 
             "backlash = 0.1 mm: cannot be given together with pinion.span",
         ),
     ],
+)
+@pytest.mark.sweep_cases(
+    "keys2-pinion.balls.diameter = 9 mm: does not touch the involutes",
+    "keys7-straight pins touch internal helical teeth at their ends alone",
 )
 def test_what_cannot_be_measured_is_refused_in_one_line(keys: dict[str, Any], said: str) -> None:
     with pytest.raises(gm.DesignError) as failure:

@@ -149,6 +149,7 @@ def test_topography_files(tmp_path: Path) -> None:
 FACE = {"kind": "face_gear", "module": 3, "pinion": {"teeth": 25}, "gear": {"teeth": 120}, "shaper": {"teeth": 28}}
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("left-modified_involute", "right-face_gear")
 @pytest.mark.parametrize(
     ("base", "name"), some([(FACE, "pinion"), ({}, "gear")], 2), ids=["face_gear", "modified_involute"]
@@ -186,6 +187,7 @@ def test_mating_gears_that_are_no_involutes_have_no_modifications() -> None:
             parse(design)
 
 
+@pytest.mark.sweep
 def test_limits_are_those_of_the_tool() -> None:
     designs = with_pinion(modifications={"profile_slope": 0.01}), PLAIN
     modified, plain = (gm.build(parse(design)).limits().document() for design in designs)
@@ -221,6 +223,7 @@ EVERYTHING = {
 
 
 @pytest.mark.parametrize("base", [PLAIN, {"kind": "cylindrical", "module": 2, "pinion": {}, "gear": {}}])
+@pytest.mark.sweep_cases("base0")
 def test_a_topography_written_is_the_flank_again(base: dict[str, Any], tmp_path: Path) -> None:
     """Flank with every modification at once, written and read again: the same to 1e-12 mm at the knots, and to 1e-5 mm
     everywhere."""

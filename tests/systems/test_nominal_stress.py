@@ -49,6 +49,7 @@ def test_contact_stress_of_a_published_example() -> None:
 
 
 @pytest.mark.parametrize("helix_angle", [0.0, 12.0])
+@pytest.mark.sweep_cases("12.0")
 def test_root_stress_by_the_formulas_of_the_hob(helix_angle: float) -> None:
     gears = gm.build(design_of(helix_angle))
     factors = pair_factors(gears.design, gears.pairs[0])
@@ -83,6 +84,7 @@ def test_root_stress_by_the_formulas_of_the_hob(helix_angle: float) -> None:
 @pytest.mark.parametrize(
     ("helix_angle", "keys"), [(0.0, {}), (12.0, {}), (0.0, {"gear": {"teeth": -63, "face_width": 22}})]
 )
+@pytest.mark.sweep_cases("0.0-keys2", "12.0-keys1")
 def test_contact_stress_is_hertz_at_the_pitch_point(helix_angle: float, keys: dict[str, object]) -> None:
     """Cylinders with the curvature of both base cylinders' tangents at the pitch point, over mean lengths of contact."""
     gears = gm.build(design_of(helix_angle, **keys))

@@ -79,6 +79,7 @@ def test_surfaces_are_proved(package: Path) -> None:
     assert max(row.point_error for row in gm.prove("octoid").rows) < 1e-9
 
 
+@pytest.mark.sweep
 def test_contact_ratio_backlash_and_transmission_are_those_of_the_crown_rack(gears: gm.Gears) -> None:
     contact = gears.contact().summary
     assert contact["te_peak_to_peak_arcsec"] < 1e-8

@@ -25,6 +25,7 @@ def gear(**keys: Any) -> gm.Gears:
         ({"spokes": {"count": 4, "width": 8, "inner_diameter": 44, "outer_diameter": 68, "corner_radius": 1}}, None),
     ],
 )
+@pytest.mark.sweep_cases("keys0-201.06192")
 def test_openings_go_through_a_hub_on_one_side(keys: dict[str, Any], area: float | None) -> None:
     gears = gear(**keys)
     member, full = gears.members["gear"], gear().members["gear"]
@@ -51,6 +52,7 @@ def test_openings_go_through_a_hub_on_one_side(keys: dict[str, Any], area: float
         ),
     ],
 )
+@pytest.mark.sweep_cases("keys0-gear.bolts.circle = 5 mm: allowed is at least 38.")
 def test_refused_openings_name_the_key_that_is_set(keys: dict[str, Any], text: str) -> None:
     with pytest.raises(DesignError, match=text):
         gear(**keys)

@@ -98,6 +98,7 @@ def test_worm_plunges_as_the_rack_does_on_modified_involute_gears() -> None:
     np.testing.assert_allclose(-worm.te[[0, -1]] / ARCSEC, 8.1, rtol=0, atol=0.3)
 
 
+@pytest.mark.sweep
 def test_worm_touches_novikov_gears_off_its_feed_position() -> None:
     """Off the pitch cylinder the worm touches at z while it stands at s, nearer to the middle. The worm plunges by a_pl s^2,
     the rack by a_pl z^2. That explains the difference of their transmission errors."""
@@ -140,6 +141,7 @@ def test_plunge_and_modified_roll_give_almost_the_same_contact(kind: str, near: 
     assert coast.te[[0, -1]].min() > 5.5 * ARCSEC
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("disk")
 @pytest.mark.parametrize("crowning", ["worm_plunge", "disk"])
 def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crowning: str) -> None:
@@ -150,6 +152,7 @@ def test_tools_without_plunge_leave_what_the_rack_does_whatever_the_lead(crownin
     np.testing.assert_allclose(ground.point1, rack.point1, rtol=0, atol=1e-6)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("novikov-0.67-0.35")
 @pytest.mark.parametrize(("kind", "share", "near"), [("modified_involute", None, 0.25), ("novikov", 0.67, 0.35)])
 def test_disk_crowns_the_driving_flank_as_the_worm_does(kind: str, share: float | None, near: float) -> None:
@@ -171,6 +174,7 @@ def test_disk_crowns_the_driving_flank_as_the_worm_does(kind: str, share: float 
 # ---- errors of alignment
 
 
+@pytest.mark.sweep
 def test_the_axes_stand_apart_by_the_error() -> None:
     aligned, apart = gears("novikov"), gears("novikov", "assembly.dE=0.07")
     assert apart.gear.mount.origin[0] - aligned.gear.mount.origin[0] == pytest.approx(0.07, abs=1e-12)
@@ -178,6 +182,7 @@ def test_the_axes_stand_apart_by_the_error() -> None:
     assert over_a_pitch(apart).point1[5, 2] == pytest.approx(3.31, abs=0.01)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("novikov")
 @pytest.mark.parametrize("kind", KINDS)
 def test_lead_correction_restores_the_path(kind: str) -> None:
@@ -200,6 +205,7 @@ def test_both_leads_changed_alike_cancel() -> None:
     np.testing.assert_allclose(both.point1, aligned.point1, rtol=0, atol=0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("d_gamma")
 @pytest.mark.parametrize("error", some(["d_gamma", "d_lambda1", "d_lambda2", "dE"], 2))
 def test_a_left_hand_pinion_is_the_mirror_image(error: str) -> None:
@@ -275,6 +281,7 @@ def test_teeth_share_the_pitch_by_the_rack_parameter() -> None:
 
 
 @pytest.mark.parametrize(("kind", "sign"), [("novikov", -1.0), ("modified_involute", 1.0)])
+@pytest.mark.sweep_cases("novikov--1.0")
 def test_the_gear_s_parabola_takes_off_or_leaves_more(kind: str, sign: float) -> None:
     """Distance of the gear's flank from the involute flank is a_t d^2, d from the pitch plane along the rack's profile.
     Depending on the kind, the flank is concave or convex."""
@@ -403,6 +410,10 @@ def test_inches_and_millimetres_are_the_same_pair() -> None:
         ),
         ("modified_involute", "assembly.dq=1", r"assembly.dq: unknown key"),
     ],
+)
+@pytest.mark.sweep_cases(
+    "novikov-backlash=30-backlash = 30 mm: allowed is at most 4.78\\\\d? mm, .*: leaves no tooth of the pinion",
+    "novikov-pinion.tool_tip_radius=0.6-pinion.tool_tip_radius = 0.6: .* too narrow for the fillet; allowed is at most 0.4486",
 )
 def test_refusals(kind: str, settings: str, message: str) -> None:
     with pytest.raises(DesignError, match=message):

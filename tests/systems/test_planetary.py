@@ -65,6 +65,7 @@ def test_members_that_stand_in_mesh_touch_and_do_not_overlap(name: str) -> None:
     assert (_body(turned) ^ bodies["ring"]).volume() > 1.0
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("even")
 @pytest.mark.parametrize("name", some(SETS, 2))
 def test_every_mesh_has_the_backlash_that_is_asked_for(name: str) -> None:
@@ -94,6 +95,7 @@ def test_all_planets_mesh_alike() -> None:
         assert np.ptp(ratios) < 1e-9
 
 
+@pytest.mark.sweep
 def test_rounded_planet_angles_are_moved_to_assembly_positions() -> None:
     """30 and 60 steps of 360/91 deg to four decimals were refused for 15 nm on the planets' circle; 0.01 deg stay refused."""
     teeth, step = (18, 27, 73), 360.0 / 91.0
@@ -133,6 +135,7 @@ def test_rounded_planet_angles_are_moved_to_assembly_positions() -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases("teeth6-keys6-ring")
 def test_what_cannot_be_assembled_is_refused(teeth: tuple[int, int, int], keys: dict[str, Any], named: str) -> None:
     with pytest.raises(DesignError) as failure:
         planetary(*teeth, **keys)
@@ -238,6 +241,7 @@ def test_symbols_of_a_set_match_balls_and_backlash() -> None:
         assert summary["backlash_transverse_min_mm"] == pytest.approx(backlash["j_wt"][3], abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_refusals_and_warnings_name_members_of_the_set() -> None:
     """In the fields of a refusal too, and in words where the mesh's own members have other names."""
     with pytest.raises(DesignError, match=r"^sun\.addendum = 2\.5: .*: the tooth is pointed") as pointed:
@@ -250,6 +254,7 @@ def test_refusals_and_warnings_name_members_of_the_set() -> None:
     assert trimmed.startswith("ring.shaper.teeth = 60: the cutter trims the tips")
 
 
+@pytest.mark.sweep
 def test_an_eccentric_sun_is_displaced_alike_for_all_planets() -> None:
     gears = planetary(18, 27, -72, backlash=0.06, assembly={"sun_eccentricity": 0.03, "sun_phase": 25})
     meshes = [pair for pair in gears.train.pairs if pair.pinion.name == "sun"]

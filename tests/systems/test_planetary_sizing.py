@@ -49,6 +49,7 @@ def by_trial(module: float) -> set[tuple[Numbers, float]]:
     return expected
 
 
+@pytest.mark.sweep
 def test_no_set_is_left_out(sizing: PlanetarySizing) -> None:
     rows = sizing.rows
     listed = {((row.teeth_sun, row.teeth_planet, row.teeth_ring), row.center_distance) for row in rows}

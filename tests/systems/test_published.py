@@ -97,6 +97,7 @@ def column(result: Contact, member: str, name: str) -> Array:
 
 
 @pytest.mark.parametrize("case", POINT_CASES)
+@pytest.mark.sweep_cases("1", "2", "3", "4", "5", "9")
 def test_lt02_tables(case: int) -> None:
     sample, errors, text = POINT_CASES[case]
     result = solve(sample, *errors)
@@ -121,6 +122,7 @@ def test_lt02_tables(case: int) -> None:
 
 
 @pytest.mark.parametrize("case", LINE_CASES)
+@pytest.mark.sweep_cases("7")
 def test_lt02_line_contact(case: int) -> None:
     errors, phi2 = LINE_CASES[case]
     path = solve("beveloid_parallel", *errors).path
@@ -177,6 +179,7 @@ def test_lt85_example_1() -> None:
     ],
     ids=["Table 1", "Table 2"],
 )
+@pytest.mark.sweep_cases("Table 2")
 def test_lt85_tables(lead: float, table: str) -> None:
     result = solve("circular_arc", "assembly.dgamma=0.1", f"pinion.lead_angle={lead}")
     printed = np.array(table.split(), dtype=float).reshape(5, 3)

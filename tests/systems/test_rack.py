@@ -82,6 +82,7 @@ def test_teeth_are_those_of_the_basic_rack(pair: tuple[RackMesh, GearPair]) -> N
         assert flat[:, 0].min() == pytest.approx(-spec.dedendum * m, abs=1e-12)
 
 
+@pytest.mark.sweep_cases("left_back", "right", "spur")
 def test_contact_is_that_of_the_closed_form(pair: tuple[RackMesh, GearPair]) -> None:
     mesh, gears = pair
     solver = solver_pair(gears)
@@ -168,6 +169,7 @@ def test_a_bar_that_ends_above_the_root_is_refused() -> None:
         rack_member("rack", replace(mesh.rack, height=4.0), mesh.pinion)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("left_back", "right", "steep")
 def test_rolled_grids_touch_where_the_solver_says(pair: tuple[RackMesh, GearPair]) -> None:
     gears = pair[1]

@@ -89,6 +89,7 @@ CASES: dict[str, Any] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("case", some(CASES, 3))
 def test_contact_is_that_of_the_closed_form(case: str) -> None:
     """ISO 21771: path of contact from the rack's tip plane to the pinion's tip, both on the line of action at alpha_t."""
@@ -134,6 +135,7 @@ def test_errors_are_told_in_micrometres_of_travel() -> None:
     assert np.ptp(te[:, 0]) == pytest.approx(contact.summary["te_peak_to_peak_um"], rel=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("case", some(["shifted", "shaped"], 1))
 def test_solids_touch_and_do_not_overlap(case: str) -> None:
     gears = rack(**CASES[case][0])
@@ -153,6 +155,7 @@ def test_solids_touch_and_do_not_overlap(case: str) -> None:
 
 
 @pytest.mark.parametrize("helix", [0, 25])
+@pytest.mark.sweep_cases("25")
 def test_a_bar_is_as_long_as_it_is_said_to_be(helix: int) -> None:
     """Mesh, B-rep, section and closed form agree on a bar that is longer than its teeth take."""
     pitch = 2.0 * math.pi / math.cos(math.radians(helix))
@@ -188,6 +191,7 @@ def test_as_many_teeth_as_a_length_has_room_for() -> None:
     assert gears.members["rack"].overhang == pytest.approx(0.5 * (100.0 - 30.0 * math.pi), abs=1e-12)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("shaped", "mounted")
 @pytest.mark.parametrize("case", some(CASES, 3))
 def test_the_sheet_says_what_is_there(case: str) -> None:
@@ -232,6 +236,10 @@ def test_the_sheet_says_what_is_there(case: str) -> None:
             "backlash = 0.1 mm: cannot be given together with rack.thickness_allowance",
         ),
     ],
+)
+@pytest.mark.sweep_cases(
+    "keys4-rack.tool_tip_radius = 0.6: the cutter's tooth is too narrow",
+    "keys5-unchanged: leaves no tooth of the pinion",
 )
 def test_what_cannot_be_is_refused_in_a_line(keys: dict[str, Any], named: str) -> None:
     with pytest.raises(DesignError) as failure:

@@ -45,6 +45,7 @@ def removed(side: Side, x: np.ndarray, z: np.ndarray, low: float) -> np.ndarray:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("helix", [0, 20])
+@pytest.mark.sweep_cases("0")
 def test_flanks_lie_behind_their_planes_by_what_is_removed(helix: int) -> None:
     """Distances along the line of action in the transverse plane; the fillets' ends are moved with the flanks."""
     tooth, plain = (rack(bar, helix_angle=helix).members["rack"].tooth for bar in (TABLES, {}))
@@ -93,6 +94,7 @@ def test_the_transmission_error_is_that_of_an_involute_on_the_profile() -> None:
     assert np.ptp(travel - expected) < 1e-9
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("tip_chamfer-0", "tip_rounding-0", "tip_rounding-20")
 @pytest.mark.parametrize("helix", [0, 20])
 @pytest.mark.parametrize("edge", ["tip_chamfer", "tip_rounding"])
@@ -158,6 +160,11 @@ def test_broken_edges_take_their_own_section_off(edge: str) -> None:
         ),
     ],
 )
+@pytest.mark.sweep_cases(
+    "bar0-rack.tip_chamfer = 0.9 mm: larger than the tooth's tip allows; allowed is at most 0.82",
+    "bar1-rack.tip_rounding = 1.4 mm: larger than the tooth's tip allows; allowed is at most 1.1",
+    "bar4-allowed is between the flank's own ends, above -1.99",
+)
 def test_what_cannot_be_is_refused_in_a_line(bar: dict[str, Any], named: str) -> None:
     with pytest.raises(DesignError) as failure:
         rack(bar)
@@ -202,6 +209,7 @@ def _met(flank: PlaneFlank, z: float, way: float) -> float:
 
 
 @pytest.mark.parametrize("helix", [0, 20])
+@pytest.mark.sweep_cases("0")
 def test_sharp_root_corners_leave_no_triangles_without_area(helix: int) -> None:
     """Fillets of no radius are lines: their nodes are one, and the solid is closed without them."""
     gears = rack({"tool_tip_radius": 0, "end_chamfer": 0.4}, helix_angle=helix)

@@ -70,6 +70,7 @@ def into_tool(points: Array, helix: float, stop: float) -> Array:
     return depth
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("helix", [20.0, pytest.param(0.0, marks=pytest.mark.sweep)])
 def test_the_tool_touches_run_outs_and_is_nowhere_in_them(helix: float) -> None:
     tooth = gear(helix).tooth
@@ -100,6 +101,7 @@ def test_run_outs_end_before_flanks_of_shifted_profiles_do(helix: float, keys: d
     assert min(left) == pytest.approx(0.05 * MODULE, rel=0.05)
 
 
+@pytest.mark.sweep
 def test_solids_are_closed_and_full_depth_is_the_face_width() -> None:
     member = gear(20.0)
     low, high = member.tooth.blank.extent
@@ -122,6 +124,7 @@ def test_solids_are_closed_and_full_depth_is_the_face_width() -> None:
         assert points == pytest.approx(same, abs=1e-9)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("shafts", [("heel_shaft",), ("toe_shaft", "heel_shaft")])
 def test_splines_of_helical_run_outs_split_at_the_crease(shafts: tuple[str, ...]) -> None:
     """0.1 um with few nodes: where a crease crossed the faces 202 x 129 nodes missed by 0.26 um."""
@@ -156,6 +159,7 @@ def test_splines_of_helical_run_outs_split_at_the_crease(shafts: tuple[str, ...]
             assert np.abs(first.control[:, -1] - second.control[:, 0]).max() < 1e-9
 
 
+@pytest.mark.sweep
 def test_step_solids_have_the_wall_before_the_teeth() -> None:
     pytest.importorskip("OCP")
     from gearmesh.cad.solid_part import solid_part
@@ -175,6 +179,9 @@ def test_step_solids_have_the_wall_before_the_teeth() -> None:
         (42.0, {"end_chamfer": 0.5}, "gear.heel_shaft.diameters", "cannot run out"),
         (42.0, {"face_width": 12.0}, "gear.face_width", "longer than the face width"),
     ],
+)
+@pytest.mark.sweep_cases(
+    "42.0-keys2-gear.run_out_radius-smaller than the teeth", "42.0-keys4-gear.face_width-longer than the face width"
 )
 def test_what_cannot_run_out_is_refused(shaft: float, keys: dict[str, object], key: str, word: str) -> None:
     with pytest.raises(DesignError) as refusal:

@@ -91,6 +91,7 @@ def deepest(back: Generated, place: float, points: Array, normals: Array, start:
         pytest.param("hypoid", "gear", "", marks=pytest.mark.sweep),
     ],
 )
+@pytest.mark.sweep_cases("small_head-pinion-heel", "tapered-gear-toe", "usual-gear-")
 def test_room_is_that_of_blades_moved_by_the_machine(pair: str, member: str, cuts: str) -> None:
     """At toe, middle and heel, over rotation and roll; where the cut begins, the blade grazes the flank."""
     sides, places, own = member_of(pair, member)
@@ -120,6 +121,7 @@ def test_room_is_that_of_blades_moved_by_the_machine(pair: str, member: str, cut
     assert bool(room.warnings) == bool(cuts)
 
 
+@pytest.mark.sweep
 def test_secondary_cut_is_reported() -> None:
     """Two warnings of the pair and a row of the sheet report the secondary cut."""
     gears = gm.build(gm.parse(TAPERED))
@@ -157,6 +159,7 @@ def test_head_too_small_to_clear_is_refused_by_its_key() -> None:
     assert refusal.value.remedies["head.radius"] == 1
 
 
+@pytest.mark.sweep
 def test_usual_heads_clear_the_blank() -> None:
     """The usual radius for 45 mm cone distance, 40 mm, would cut the gear 10/18 a second time: a larger head is taken."""
     values = {"module": 5.15, "spiral_angle": 20.42, "pressure_angle": 22.01, "head": {"blade_groups": 8}}

@@ -28,6 +28,7 @@ def ring(module: float = 2.0, teeth: int = 50, of_both: dict[str, Any] | None = 
     return gm.parse({"kind": "cylindrical", "module": module, "pinion": pinion, "gear": gear, **keys})
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("much")
 @pytest.mark.parametrize(
     ("design", "keys"),
@@ -83,7 +84,7 @@ def test_pinion_larger_than_rings_hole_has_no_trimming_reserve() -> None:
     assert value.reason == "the pinion is larger than the hole of the ring and goes in from its end alone"
 
 
-@pytest.mark.sweep_cases("spiral_bevel_basic", "planetary", "face_gear", "rack")
+@pytest.mark.sweep_cases("spiral_bevel_basic", "planetary", "face_gear", "rack", "spur", "worm_drive")
 @pytest.mark.parametrize("sample", REFUSED)
 def test_no_refused_figure_brings_down_the_sheet(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
@@ -137,6 +138,7 @@ def test_rounded_anvils_of_an_internal_span_touch_where_they_should() -> None:
     assert depth(1.05 * anvil) > 1e-2
 
 
+@pytest.mark.sweep
 def test_pins_over_odd_helical_teeth_need_room_to_slide() -> None:
     """Spaces of 21 teeth are opposite each other where the helix has turned them by half a pitch: 12.1 mm apart here."""
     design = {"kind": "cylindrical", "module": 2, "helix_angle": 15, "gear": {"teeth": 40, "face_width": 30}}

@@ -69,7 +69,7 @@ def alone_and_in_pair(name: str, table: str) -> tuple[gm.Gears, gm.Gears]:
     return alone, gm.build(gm.parse({"kind": "cylindrical", **keys, table: pinned, mating: other}))
 
 
-@pytest.mark.sweep_cases("helical-gear", "helical-pinion", "internal-gear")
+@pytest.mark.sweep_cases("helical-gear", "helical-pinion", "internal-gear", "shaped-pinion")
 @pytest.mark.parametrize(
     ("name", "table"),
     [
@@ -101,6 +101,7 @@ def test_is_the_same_gear_as_in_a_pair(name: str, table: str) -> None:
     assert compared > 40
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("helical-gear-2")
 @pytest.mark.parametrize(("name", "table", "order"), [("helical", "gear", 2), ("internal", "gear", 1)])
 def test_finite_elements_are_those_of_the_member_of_a_pair(name: str, table: str, order: int) -> None:
@@ -193,6 +194,7 @@ def test_measures_are_the_published_ones() -> None:
     assert measures.over_pins(single_gear(design).own, 1.728) == pytest.approx(32.4102, abs=5e-5)
 
 
+@pytest.mark.sweep
 def test_answers_that_need_no_mating_gear() -> None:
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 1, "pinion": {"teeth": 12, "face_width": 4}}))
     assert [limits.fewest_teeth for limits in gears.limits().members.values()] == [18]

@@ -25,6 +25,7 @@ WISHES: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("few_teeth")
 @pytest.mark.parametrize("name", some(WISHES, 2))
 def test_every_pair_is_as_wanted_and_worth_what_is_said(name: str) -> None:
@@ -63,6 +64,7 @@ def test_every_pair_is_as_wanted_and_worth_what_is_said(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", some(WISHES, 2))
+@pytest.mark.sweep_cases("few_teeth")
 def test_no_pair_is_left_out(name: str) -> None:
     """All tooth numbers and whole degrees by trial: sum of the shifts with which both working circles touch."""
     wanted = WISHES[name]
@@ -112,6 +114,7 @@ def test_no_pair_is_left_out(name: str) -> None:
     assert any(not each[2].is_integer() for each in found) == (name == "helical")
 
 
+@pytest.mark.sweep
 def test_the_command_writes_the_design_that_is_chosen(tmp_path: Path) -> None:
     wish = ["size", "--ratio", "2.5", "--center-distance", "64mm", "--module", "2", "--helix", "8:14"]
     target = tmp_path / "pair.toml"

@@ -155,6 +155,7 @@ def test_local_synthesis_gives_all_seven_settings_of_table_3(name: str) -> None:
         (CURVED, "convex", -0.0055, 4.347, 32.0),
     ],
 )
+@pytest.mark.sweep_cases("sample0-concave-0.0035-4.343-3.0", "sample2-concave-0.0037-4.337-32.0")
 def test_contact_of_the_printed_settings(
     sample: Path, name: str, derivative: float, axis: float, closure: float
 ) -> None:
@@ -260,6 +261,7 @@ def test_inches_are_millimetres() -> None:
         assert abs(a.tooth.volume() / b.tooth.volume() - 1.0) < 1e-9
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("0.0")
 @pytest.mark.parametrize("backlash", [0.0, 0.2])
 def test_backlash_is_what_the_gear_turns_between_both_sides(backlash: float) -> None:
@@ -298,6 +300,7 @@ def test_zerol_and_straight_teeth_are_the_same_system_at_spiral_angle_0() -> Non
         assert (abs(trace[0] - 2.0 * trace[2] + trace[4]) < 1e-3) == straight
 
 
+@pytest.mark.sweep
 def test_teeth_as_straight_as_can_be_have_the_largest_cutter_that_works() -> None:
     """12/30, m 2: a radius of 800 mm has no pinion, and stays refused; the largest that works leaves 0.8 deg at the ends."""
     straight = {"kind": "spiral_bevel", "module": 2, "spiral_angle": 0, "face_width": 10, "pinion": {"teeth": 12}}
@@ -319,6 +322,7 @@ def test_teeth_as_straight_as_can_be_have_the_largest_cutter_that_works() -> Non
         gm.build(parse({**straight, "gear": {"teeth": 30, "cutter": {"tip_radius": 800}}}))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("pinion")
 @pytest.mark.parametrize("name", ["pinion", "gear"])
 def test_keyway_and_hub(name: str) -> None:
@@ -435,7 +439,9 @@ SEARCHED = [
 @pytest.mark.parametrize(
     ("override", "message"), [*REFUSED, *some(SEARCHED, 0)], ids=[row[0] for row in (*REFUSED, *SEARCHED)]
 )
-@pytest.mark.sweep_cases("clearance=9", "gear.cutter.edge_radius=9", "shaft_angle=165")
+@pytest.mark.sweep_cases(
+    "clearance=9", "gear.cutter.edge_radius=9", "shaft_angle=165", "face_width=90", "gear.hub={diameter=300,length=5}"
+)
 def test_refused(override: str, message: str, tmp_path: Path) -> None:
     file = tmp_path / "basic.toml"
     file.write_text(

@@ -142,6 +142,7 @@ def test_tolerances_of_iso_4156_are_those_worked_by_hand() -> None:
     assert iso4156.tolerance(5, "k", 2.5, 24, 30.0).effective == own.total
 
 
+@pytest.mark.sweep
 def test_limits_of_iso_4156_are_effective_and_actual() -> None:
     gears = spline(designation="ISO 4156 INT/EXT 24z x 2.5m x 30R x 5H/5f")
     known, basic = iso4156.tolerance(5, "f", 2.5, 24, 30.0), 0.5 * math.pi * 2.5

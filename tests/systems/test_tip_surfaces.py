@@ -26,6 +26,7 @@ def design(**pinion: Any) -> dict[str, Any]:
     return {"kind": "cylindrical", "module": 3, "helix_angle": 12, "pinion": pinion, "gear": gear}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("key", "value", "meridian"),
     [
@@ -90,6 +91,7 @@ OTHERS = (
 )
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("novikov", "circular_arc", "face_gear", "modified_involute")
 @pytest.mark.parametrize(("sample", "name", "key", "value", "unit"), OTHERS, ids=[case[0] for case in OTHERS])
 def test_tips_of_other_kinds_are_turned_as_asked(sample: str, name: str, key: str, value: float, unit: float) -> None:
@@ -118,6 +120,7 @@ def test_tips_of_other_kinds_are_turned_as_asked(sample: str, name: str, key: st
         ({"tip_cone_angle": 1.0, "modifications": {"helix_crowning": 0.01}}, "cannot be given together with modific"),
     ],
 )
+@pytest.mark.sweep_cases("keys0-pinion.tip_cone_angle = 40 deg: the teeth have no such tip .* at most \\\\d")
 def test_tips_that_teeth_cannot_have(keys: dict[str, Any], message: str) -> None:
     with pytest.raises(DesignError, match=message):
         gm.build(gm.parse(design(**keys)))

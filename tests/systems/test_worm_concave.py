@@ -19,6 +19,7 @@ SAMPLE = SAMPLES / "worm_drive.toml"
 @pytest.mark.parametrize(
     ("threads", "teeth", "quotient"), [(1, 30, 8), (1, 40, 16), (2, 40, 10), (3, 80, 10), (4, 60, 12)]
 )
+@pytest.mark.sweep_cases("1-30-8", "2-40-10", "3-80-10", "4-60-12")
 def test_plain_concave_drives_are_not_undercut(threads: int, teeth: int, quotient: float) -> None:
     """Concave drives have their own default profile shift and face width. With the face width of the other forms the flank is
     gone at the toe."""
@@ -43,6 +44,7 @@ def test_plain_concave_drives_are_not_undercut(threads: int, teeth: int, quotien
 
 
 @pytest.mark.parametrize(("angle", "lead", "rounding"), [(20.0, 0.0, 0.2), (23.58, 0.0, 0.16), (23.58, 0.004, 0.1)])
+@pytest.mark.sweep_cases("23.58-0.0-0.16", "23.58-0.004-0.1")
 def test_root_roundings_are_as_large_as_the_space_has_room_for(angle: float, lead: float, rounding: float) -> None:
     """The drive of seed 9, which was refused: 0.02 more, as stated, are too much."""
     made = {
@@ -60,6 +62,7 @@ def test_root_roundings_are_as_large_as_the_space_has_room_for(angle: float, lea
             build(design.with_values({"worm.root_rounding": rounding + 0.02}).in_mm())
 
 
+@pytest.mark.sweep
 def test_flank_that_begins_beyond_the_tip_is_refused() -> None:
     """The bound that is named is where, by bisection on the surface, the form point has the radius of the outside cylinder."""
     sound = ["worm.form=ZC", "center_distance=128"]

@@ -32,6 +32,7 @@ def in_touch(name: str) -> Array:
     return np.asarray(np.nanmax(phi2 - threads * pitch, axis=0))
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", some(DRIVES, 1))
 def test_solids_touch_and_do_not_overlap(name: str) -> None:
     """At five positions: slivers of the facets' error where they touch, nothing when the wheel is turned away by both tolerances,
@@ -102,6 +103,7 @@ def test_roots_of_wheels_end_where_fillets_begin(changes: list[str]) -> None:
         assert np.hypot(x, y) == pytest.approx(least.fun, abs=1e-10)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("angle", [20.0, 25.0])
 def test_chamfered_throats_touch_the_throat_and_leave_it_nowhere(angle: float) -> None:
     """The tip in the axial section against distances from the worm's axis, where the wheel's flanks end, and as solids."""

@@ -51,6 +51,7 @@ def test_threads_grow_thicker_along_the_axis(hand: int) -> None:
 
 
 @pytest.mark.parametrize(("hand", "form"), [(1, "ZI"), (-1, "ZA")])
+@pytest.mark.sweep_cases("-1-ZA")
 def test_sheet_has_both_leads_and_the_thickness_along_the_axis(hand: int, form: str) -> None:
     """Leads by hand. At z = 2.5 pitches, by brute force: the ball of the sheet's height is as near to both flanks as its radius, in
     a space as wide as the axial section of both helicoids is there."""

@@ -42,6 +42,7 @@ def test_is_the_crossed_helical_pair_of_the_same_rack() -> None:
         ("contact.flank=left", "shaft_angle=97", "center_distance=127", "assembly.da=0.2", "assembly.d_sigma=0.3"),
     ],
 )
+@pytest.mark.sweep_cases("keys0")
 def test_runs_uniformly_under_any_error(keys: tuple[str, ...]) -> None:
     summary = gm.build(gm.load(str(SAMPLE), [*HELICAL, *keys, "contact.phi1.count=5"])).contact().summary
     assert summary["mesh_te_peak_to_peak_arcsec"] < 1e-9 * math.degrees(3600)
@@ -58,6 +59,7 @@ def test_runs_uniformly_under_any_error(keys: tuple[str, ...]) -> None:
         ("hob.tip_radius=1", "hob.tip_radius"),
     ],
 )
+@pytest.mark.sweep_cases("hob.tip_radius=1-hob.tip_radius")
 def test_what_a_helical_wheel_does_not_have_is_refused(key: str, named: str) -> None:
     with pytest.raises(gm.DesignError) as refusal:
         gm.build(gm.load(str(SAMPLE), [*HELICAL, key]))

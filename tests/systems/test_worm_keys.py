@@ -137,6 +137,7 @@ def test_every_key_has_an_effect_or_is_refused(form: str) -> None:
 
 
 @pytest.mark.parametrize(("key", "forms"), [(key, forms) for key, (_, forms) in LACKING.items() if key != "wheel.form"])
+@pytest.mark.sweep_cases("worm.disk_diameter-forms1", "worm.section-forms0")
 def test_keys_of_another_form_are_refused_unless_they_are_its_defaults(key: str, forms: tuple[str, ...]) -> None:
     """Designs that state every key carry keys of other forms, at their defaults. These are accepted; other values are refused."""
     default = {"worm.section": "space", "worm.disk_diameter": 320.0, "worm.profile_radius": 24.0}[key]
@@ -148,6 +149,7 @@ def test_keys_of_another_form_are_refused_unless_they_are_its_defaults(key: str,
     assert gm.parse(with_keys(BASE, {"worm.form": LACKING[key][0], key: OTHERS[key]}.items())).sets(key)
 
 
+@pytest.mark.sweep
 def test_a_throat_radius_is_refused_where_there_is_no_throat() -> None:
     """Pinned designs state that of the default, and what other forms have."""
     keys = {"wheel.tip_form": "cylindrical"}

@@ -41,6 +41,7 @@ def crossing(design: gm.Design) -> float:
     return float(share[at] - depth[at] * (share[at + 1] - share[at]) / (depth[at + 1] - depth[at]))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("J-left hand", "V-left hand", "V-right hand", "alpha-left hand", "alpha-right hand")
 @pytest.mark.parametrize("right_hand", [True, False], ids=["right hand", "left hand"])
 @pytest.mark.parametrize("moved", ["J", "alpha", "V"])
@@ -60,6 +61,7 @@ def test_contact_is_where_it_was_asked_for(moved: str, right_hand: bool) -> None
 
 
 @pytest.mark.parametrize("right_hand", [True, False], ids=["right hand", "left hand"])
+@pytest.mark.sweep_cases("left hand")
 def test_members_of_studies_stand_where_the_design_has_them(right_hand: bool) -> None:
     """Many assemblies at once are those of designs with the same errors; d_sigma went the other way."""
     keys = {**DRIVE, "worm": {"threads": 2, "right_hand": right_hand}, "shaft_angle": 87.0}

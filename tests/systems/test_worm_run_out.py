@@ -20,6 +20,7 @@ def worm(form: str = "ZI", **keys: float) -> gm.Gears:
 
 
 @pytest.mark.parametrize("form", some(FORMS, 2))
+@pytest.mark.sweep_cases("ZC")
 def test_all_of_the_thread_moves_away_from_the_axis(form: str) -> None:
     """Against the thread without run-out by its polar angles: at every height rho differs by the rise of the root, which is smooth
     and leaves next to no flank at the end; jets by differences."""
@@ -54,6 +55,7 @@ def test_all_of_the_thread_moves_away_from_the_axis(form: str) -> None:
     assert height[[0, -1]] == pytest.approx(0.05 * 5.0, rel=0.05)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     "changes", some([{"threads": 1}, {}, {"tip_chamfer": 0.3, "threads": 3, "end_chamfer": 0.3}], 1)
 )

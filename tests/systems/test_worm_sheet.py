@@ -46,6 +46,7 @@ def own_of(gears: gm.Gears) -> WormDriveDesign:
     return design.in_mm()
 
 
+@pytest.mark.sweep
 def test_figures_are_those_of_the_hand() -> None:
     """d1 = 60, q = 12, gamma = atan(1/6), x2 = 0.2 by a = 126; a hob of 66 mm, 3 mm farther away: 1 mm over the reference cylinders
     it has the worm's normal pitch, sin(gamma_w0) = m_x cos(gamma_w) z / (d0 + 2)."""
@@ -82,6 +83,7 @@ def test_figures_are_those_of_the_hand() -> None:
     )
 
 
+@pytest.mark.sweep
 def test_za_worm_and_larger_hob_match_hand_calculation() -> None:
     """tan(alpha_n) = tan(alpha_0) cos(gamma); a hob of 3 threads. In the middle plane a rack of 20 deg meets an involute gear."""
     keys: dict[str, Any] = {"worm": {"form": "ZA"}, "backlash": 0.1, "friction": 0.05}
@@ -133,6 +135,7 @@ def test_za_worm_and_larger_hob_match_hand_calculation() -> None:
     assert sheet_of(gears_of(**{**keys, "friction": 0.17}))["eta'"] is None
 
 
+@pytest.mark.sweep
 def test_angular_backlash_is_the_way_from_flank_to_flank() -> None:
     """Threads of the other flank's contact are an axial way j_x away where those without backlash are not."""
     ways = []
@@ -144,6 +147,7 @@ def test_angular_backlash_is_the_way_from_flank_to_flank() -> None:
     assert abs(ways[1] - ways[0]) == pytest.approx(sheet["j_x"], abs=1e-9)
 
 
+@pytest.mark.sweep
 def test_wires_are_the_balls_of_a_helical_gear() -> None:
     """ZI: inv(alpha_K) = inv(alpha_t) + D / (z m_n cos(alpha_n)) - half the angle of the thread's thickness, of z = 2."""
     made = gears_of(backlash=0.2, worm={"wire_diameter": 8.3, "right_hand": False})
@@ -158,6 +162,7 @@ def test_wires_are_the_balls_of_a_helical_gear() -> None:
         gears_of(worm={"wire_diameter": 3.0}).sheet()
 
 
+@pytest.mark.sweep
 def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
     """Brute force: the ball at the wire's centre is as near to the flank as its radius. A wire that is free to turn and lies as
     low as it can has the same height, at about the lead angle."""
@@ -185,6 +190,7 @@ def test_a_wire_lies_in_the_space_of_a_za_worm() -> None:
 
 
 @pytest.mark.parametrize(("hand", "flank"), [(True, "right"), (True, "left"), (False, "right"), (False, "left")])
+@pytest.mark.sweep_cases("False-left", "False-right", "True-right")
 def test_forces_are_those_of_the_exact_normals(hand: bool, flank: str) -> None:
     """An involute worm and an oversized hob: every point of contact has the same normal, that of the pitch point."""
     gears = gears_of(worm={"right_hand": hand}, hob={"reference_diameter": 63}, contact={"flank": flank})
@@ -208,6 +214,7 @@ def test_forces_are_those_of_the_exact_normals(hand: bool, flank: str) -> None:
 
 
 @pytest.mark.parametrize(("friction", "flank"), [(None, "right"), (0.06, "right"), (0.06, "left")])
+@pytest.mark.sweep_cases("0.06-right", "None-right")
 def test_what_goes_in_comes_out_or_slides(friction: float | None, flank: str) -> None:
     """ZK, profile shift, axes at 80 deg: the moments of the forces have the ratio's power, but for friction along the sliding."""
     worm = {"form": "ZK", "right_hand": False}
@@ -222,6 +229,7 @@ def test_what_goes_in_comes_out_or_slides(friction: float | None, flank: str) ->
 
 
 @pytest.mark.parametrize("form", ["ZI", "ZK"])
+@pytest.mark.sweep_cases("ZK")
 def test_contact_lines_are_those_of_the_solver(form: str) -> None:
     """Place, normal and curvature of the gap, from both built surfaces, and the weight of a line."""
     gears = gears_of(worm={"form": form}, center_distance=126)

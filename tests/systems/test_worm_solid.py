@@ -83,6 +83,7 @@ def test_thread_is_what_the_rack_leaves_on_the_worm(threads: int, hand: int) -> 
             np.testing.assert_allclose(jet.n, -turn.vector(left.n), rtol=0, atol=1e-11)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(("threads", "tip_radius"), [(1, 0.3), (3, 0.3), (1, 0.0)])
 @pytest.mark.sweep_cases("1-0.3", "3-0.3")
 def test_solid_of_a_worm(threads: int, tip_radius: float) -> None:
@@ -213,6 +214,7 @@ def test_teeth_may_go_round_more_than_half_a_turn() -> None:
 # ---------------------------------------------------------------- meshes of threads
 
 
+@pytest.mark.sweep
 def test_distance_from_the_facets_is_that_of_the_closest_one(monkeypatch: pytest.MonkeyPatch) -> None:
     """Against all facets of the thread: where cells are long and skew the closest one is often not the point's own."""
     monkeypatch.setattr(deviation, "FIRST_BATCH", 1)
@@ -264,6 +266,7 @@ def _bevel() -> Tooth:
     [(lambda: worm_member(worm(), racks(), 20.0).tooth, 0.05), (_bevel, 0.01)],
     ids=["worm", "spiral bevel"],
 )
+@pytest.mark.sweep_cases("spiral bevel")
 def test_edges_of_the_end_faces_keep_the_tolerance(tooth: Any, tolerance: float) -> None:
     """Thread and spiral tooth meet their end faces at acute angles: chords are farther from the edge than from the flank."""
     mesh, places = tessellate(tooth(), tolerance), np.linspace(0.1, 0.9, 9)
@@ -388,6 +391,9 @@ def test_worm_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[
         ),
         ("novikov", ["--set", "worm.length=0"], "worm.length = 0: must be a length in mm above 0 and up to 1000000"),
     ],
+)
+@pytest.mark.sweep_cases(
+    "novikov-arguments3-worm.bore = 190 mm: the root lies below the bore; allowed is less than the root diameter, 184.21 mm"
 )
 def test_worm_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], sample: str, arguments: list[str], message: str

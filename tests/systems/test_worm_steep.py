@@ -27,6 +27,7 @@ def face_width(gears: gm.Gears) -> float:
     return gears.design.wheel.face_width
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", ["tip_worm_drive_19", "tip_worm_drive_53"])
 def test_every_station_has_the_tip_next_to_its_neighbours(name: str) -> None:
     """Beside each other at 2,001 stations, on the tip; by halving the flank's parameter at the station where it failed."""
@@ -58,6 +59,7 @@ def test_teeth_are_sound_at_every_station(name: str) -> None:
     tooth.prove_land(np.union1d(np.linspace(0.0, 1.0, 2001), corners))
 
 
+@pytest.mark.sweep
 def test_open_face_width_is_no_reason_for_a_refusal() -> None:
     """The default face width is a number of eighths of the width of DIN 3975. The teeth are sound; one eighth more is refused.
     If the whole width is sound, it stays."""
@@ -160,6 +162,7 @@ def steep_worm(form: str, **worm: float) -> WormDriveDesign:
 
 
 @pytest.mark.parametrize("form", SHORT)
+@pytest.mark.sweep_cases("ZI")
 def test_rounding_is_reached_where_the_flank_end_has_room(form: str) -> None:
     """The flank ends at the base cylinder, a ground one where it is nearest to the axis, looked for on 200,001 points: a
     rounding is as large as that is above the root, or larger, and touches the flank above, on this side of its end."""
@@ -266,6 +269,7 @@ UNDERCUT = {
 }
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("ZN 6/45")
 @pytest.mark.parametrize("name", sorted(UNDERCUT))
 def test_an_undercut_flank_is_of_one_sheet(name: str) -> None:
@@ -363,6 +367,7 @@ def test_wheels_with_adapted_addendum_are_sound_between_proof_stations() -> None
     assert gears.solid("wheel", 0.05).measured.watertight
 
 
+@pytest.mark.sweep
 def test_a_nominal_tip_beyond_the_end_of_a_flank_is_no_undercut() -> None:
     """Single stations of many were taken for undercut: there the flank ends between its tip and the nominal one."""
     tooth = gm.build(gm.load(CORPUS / "stations_worm_drive_137.toml")).members["wheel"].tooth

@@ -30,7 +30,7 @@ def meeting(before: Rigid, here: Rigid, after: Rigid, line: ContactLine, step: f
     return np.asarray((here.vector(line.normals) * velocity).sum(axis=-1) / reach)
 
 
-@pytest.mark.sweep_cases("spiral_bevel_basic-pinion")
+@pytest.mark.sweep_cases("spiral_bevel_basic-pinion", "face_gear-gear")
 @pytest.mark.parametrize(
     ("sample", "name"),
     [("helical", "pinion"), ("spiral_bevel_basic", "pinion"), ("face_gear", "gear")],
@@ -70,6 +70,7 @@ def test_tool_and_tooth_touch_along_the_lines(sample: str, name: str) -> None:
             assert np.nanmin(np.abs(at(line.at - 0.01))) > 100.0 * NONE
 
 
+@pytest.mark.sweep
 def test_edges_that_index_touch_at_rotations_of_the_cradle() -> None:
     """A pinion cut with modified roll has lines as one cut by a crown gear; one line of a feed in mm stood for them."""
     values = {"kind": "spiral_bevel", "process": "face_hobbed_formate", "module": 4.5, "spiral_angle": 33}
@@ -149,6 +150,7 @@ def test_worms_touch_along_one_line_over_the_roll() -> None:
     assert np.median(feeds) > 100.0 * NONE
 
 
+@pytest.mark.sweep
 def test_the_picture_shows_the_lines_and_refuses_what_does_not_roll() -> None:
     helical = gm.build(gm.load(SAMPLES / "helical.toml"))
     scene = helical.picture("contact_lines")._scene

@@ -86,6 +86,7 @@ def bevel() -> Pair:
     return Pair(gears, values, gears.with_deviations("pinion", "right", values))
 
 
+@pytest.mark.sweep
 def test_a_bevel_flank_follows_45_deviations(bevel: Pair) -> None:
     """To rounding at the points; between them a smooth function to 0.1 um, and noise is not made larger."""
     nominal, real = (gears.member("pinion").tooth for gears in (bevel.nominal, bevel.real))
@@ -203,7 +204,9 @@ ODD: dict[str, tuple[Any, str]] = {
 }
 
 
-@pytest.mark.sweep_cases("novikov", "partly_undercut", "sharp_shaper", "chamfer", "protuberance")
+@pytest.mark.sweep_cases(
+    "novikov", "partly_undercut", "sharp_shaper", "chamfer", "protuberance", "beveloid", "ring", "undercut"
+)
 @pytest.mark.parametrize("name", ODD)
 def test_teeth_stay_closed(name: str) -> None:
     """Links share their ends; flank and fillet stay smooth where they were; the root and the land begin where they did."""
@@ -234,6 +237,7 @@ def test_teeth_stay_closed(name: str) -> None:
     assert all(np.abs(real[k].points - nominal[k].points).max() > 1e-3 for k in flanks)
 
 
+@pytest.mark.sweep
 def test_the_tip_edge_of_a_chamfered_flank_is_where_the_chamfer_begins() -> None:
     """At every station at another radius: the contact solver knows, to 0.1 um between the stations whose points it takes."""
     gears = gm.build(gm.parse(ODD["chamfer"][0]))

@@ -27,6 +27,7 @@ RING = (
 @pytest.mark.parametrize(
     "sample", ["internal", "planetary", "beveloid_crossed", "rack", "spiral_bevel_abdullah_straight", "face_gear"]
 )
+@pytest.mark.sweep_cases("planetary", "spiral_bevel_abdullah_straight")
 def test_the_toe_is_the_lower_or_inner_end(sample: str) -> None:
     for member in gm.build(gm.load(SAMPLES / f"{sample}.toml")).members.values():
         axial = member.tooth.blank.axial
@@ -38,6 +39,7 @@ def test_the_toe_is_the_lower_or_inner_end(sample: str) -> None:
         assert toe < heel
 
 
+@pytest.mark.sweep
 def test_keys_of_a_ring_are_of_the_ends_that_files_name() -> None:
     ring = gm.build(gm.load(SAMPLES / "internal.toml", RING)).members["gear"]
     mesh = gear_solid(ring, 0.02)
@@ -56,6 +58,7 @@ def test_keys_of_a_ring_are_of_the_ends_that_files_name() -> None:
 
 
 @pytest.mark.parametrize("tilt", [0.2, -0.2])
+@pytest.mark.sweep_cases("-0.2")
 def test_edge_contact_of_a_ring_is_named_by_where_it_is(tilt: float) -> None:
     pair = pair_of(gm.load(SAMPLES / "internal.toml", [f"assembly.gamma_v={tilt}"]))
     path = contact_path(solver_pair(pair).parts[0], np.linspace(-0.1, 0.1, 3))

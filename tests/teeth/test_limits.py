@@ -305,6 +305,7 @@ def test_radii_of_a_face_gear_by_two_routes(sample: str) -> None:
 # ---------------------------------------------------------------- the command
 
 
+@pytest.mark.sweep
 def test_the_command_tells_what_is_undercut(tmp_path: Path) -> None:
     file = tmp_path / "limits.json"
     status, out, err = run("limits", SAMPLES / "spur.toml", "--set", "pinion.teeth=10", "--json", file)

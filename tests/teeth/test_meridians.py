@@ -104,7 +104,9 @@ def test_level_and_surface_of_a_meridian_are_one(curve: Any, axial: Level) -> No
     np.testing.assert_allclose(meridian.hessian(jet.r, np.broadcast_to(w, jet.r.shape)), changed, atol=1e-7)
 
 
-@pytest.mark.sweep_cases("throat_and_cylinder-0.0", "conical_tip-0.3")
+@pytest.mark.sweep_cases(
+    "throat_and_cylinder-0.0", "conical_tip-0.3", "conical_tip-0.0", "throat-0.0", "throat_and_cylinder-0.3"
+)
 @pytest.mark.parametrize("cone", [0.0, ANGLE])
 @pytest.mark.parametrize("name", ["throat", "throat_and_cylinder", "conical_tip"])
 def test_a_member_with_any_tip_is_a_closed_solid_within_tolerance(name: str, cone: float) -> None:
@@ -149,6 +151,7 @@ def test_a_broken_edge_follows_the_throat() -> None:
     np.testing.assert_allclose(edge.points[1], land[0], atol=1e-11)
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("conical_tip")
 @pytest.mark.parametrize("name", ["throat_and_cylinder", "conical_tip"])
 def test_contact_goes_over_to_the_tip_edge_as_the_roll_test_says(name: str) -> None:

@@ -30,6 +30,7 @@ def pinion(face_width: float, hand: str) -> gm.Gears:
     return gm.build(SpiralBevelDesign(module=2, face_width=face_width, hand=hand, **angles, **teeth))
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("23.35-right")
 @pytest.mark.parametrize(("face_width", "hand"), some([(23.35, "right"), (24.0, "right"), (20.0, "left")], 2))
 def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
@@ -44,6 +45,7 @@ def test_a_little_undercut_is_a_warning(face_width: float, hand: str) -> None:
 
 
 @pytest.mark.parametrize("face_width", [20.0, 23.35])
+@pytest.mark.sweep_cases("23.35")
 def test_the_form_point_moves_steadily_from_where_undercut_begins(face_width: float) -> None:
     """Close to the first cusp flank and fillet cross where their expansion says, half as far beyond it as the form point is
     before."""
@@ -66,6 +68,7 @@ def test_the_form_point_moves_steadily_from_where_undercut_begins(face_width: fl
 
 
 @pytest.mark.parametrize("face_width", [23.35, 24.0])
+@pytest.mark.sweep_cases("24.0")
 def test_undercut_is_looked_for_once(face_width: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tooth that was trimmed from toe to heel starts from there, and finds what one finds that starts anew."""
     tooth = pinion(face_width, "right").members["pinion"].tooth
@@ -118,6 +121,7 @@ def _ends(tooth: Tooth, at: Array) -> list[tuple[ToothSide, Ends]]:
     return [(tooth.right, sections.right), (tooth.left, sections.left)]
 
 
+@pytest.mark.sweep
 def test_a_loop_narrower_than_rounding_is_no_removed_flank() -> None:
     """Close to where undercut begins flank and fillet cross in a loop that no residual tells from their form point."""
     tooth = gm.build(gm.load(CORPUS / "undercut_modified_involute_sensible_2066.toml")).members["pinion"].tooth

@@ -44,6 +44,7 @@ def contact(design: gm.Design) -> gm.Contact:
 
 
 @pytest.mark.parametrize("sample", [*QUICK, *(pytest.param(name, marks=pytest.mark.sweep) for name in SWEPT)])
+@pytest.mark.sweep_cases("face_gear", "spiral_bevel_geometry2", "worm_drive")
 def test_units_are_those_of_the_values(sample: str) -> None:
     design = gm.load(SAMPLES / f"{sample}.toml")
     units = {line.key: line.unit for line in type(design).key_lines()}

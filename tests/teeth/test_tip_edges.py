@@ -73,6 +73,7 @@ def test_rounding_on_a_back_cone_is_a_tangent_circle() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("rounded", [False, True])
+@pytest.mark.sweep_cases("False")
 def test_what_a_tip_edge_takes_off(*, rounded: bool) -> None:
     """The area between flank, land and edge on each station, by Green's theorem in polar coordinates; stations are 1 mm apart."""
     tooth = tooth_of(TipEdge(SIZE, rounded))
@@ -93,6 +94,7 @@ def test_what_a_tip_edge_takes_off(*, rounded: bool) -> None:
     assert sharp.volume() - tooth.volume() == pytest.approx(removed, rel=1e-5)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("sample", "size", "places"),
     [("spiral_bevel_geometry1", 1.0, (1.0, 0.75)), ("beveloid_crossed", 0.8, (-1.2, -0.8))],
@@ -115,6 +117,7 @@ def test_contact_ends_where_a_large_chamfer_begins(sample: str, size: float, pla
     assert np.abs(apart).max() < 0.002 * ARCSEC
 
 
+@pytest.mark.sweep
 def test_a_solid_with_roundings_on_back_cones_is_closed() -> None:
     pair = built_sample("spiral_bevel_geometry2").pairs[0]
     member = replace(pair.pinion, tooth=tooth_of(TipEdge(0.4, rounded=True)))
@@ -125,6 +128,7 @@ def test_a_solid_with_roundings_on_back_cones_is_closed() -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("angle", "lowest"), [(4.0, 0.0), (-4.0, 1.0)])
+@pytest.mark.sweep_cases("-4.0-1.0")
 def test_refusals_of_tip_edges_name_the_station_of_the_lowest_flank(angle: float, lowest: float) -> None:
     """They named the toe, wherever the flank was too low."""
     tip = {"teeth": 30, "face_width": 10, "tip_cone_angle": angle, "addendum": 0.2, "dedendum": 0.6}

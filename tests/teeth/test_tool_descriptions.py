@@ -48,7 +48,9 @@ TOOLS = {
 }
 
 
-@pytest.mark.sweep_cases("spiral_bevel_formate")
+@pytest.mark.sweep_cases(
+    "spiral_bevel_formate", "circular_arc", "hypoid", "internal", "modified_involute", "novikov", "planetary"
+)
 @pytest.mark.parametrize("sample", TOOLS)
 def test_flanks_of_every_kind_say_what_made_them(sample: str) -> None:
     pair = gm.build(gm.load(SAMPLES / f"{sample}.toml")).train.pairs[0]
@@ -164,6 +166,7 @@ def eroded(side: ToothSide, radius: float) -> ToothSide:
     return replace(side, flank=flank, fillet=fillet, tool=tool, generation=(flank, fillet))
 
 
+@pytest.mark.sweep
 def test_sheets_have_the_dimensions_of_the_tools() -> None:
     """One column for both flanks where one tool, or tools that are alike, cut them; planets are one column."""
     ground = gm.build(gm.load(SAMPLES / "novikov.toml")).sheet().plain_tables["Tools"]

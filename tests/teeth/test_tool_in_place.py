@@ -70,6 +70,7 @@ def in_thread(design: gm.Design, tool: ToolInPlace, r: Array) -> Array:
         ("novikov", "pinion", None),
     ],
 )
+@pytest.mark.sweep_cases("novikov-pinion-None")
 def test_touches_and_does_not_cut_into_the_finished_tooth(sample: str, name: str, both: bool | None) -> None:
     gears = gm.build(gm.load(SAMPLES / f"{sample}.toml"))
     tooth = gears.members[name].tooth
@@ -96,6 +97,7 @@ def test_touches_and_does_not_cut_into_the_finished_tooth(sample: str, name: str
             assert -1e-2 < np.max(depth) < DEEP
 
 
+@pytest.mark.sweep
 def test_worm_touches_the_shaped_flank_of_a_face_gear_without_cutting() -> None:
     gears = gm.build(gm.load(SAMPLES / "face_gear.toml"))
     gear, part = gears.members["gear"], gears.part("worm")
@@ -170,6 +172,7 @@ def test_unknown_tool_is_refused() -> None:
 @pytest.mark.parametrize(
     "changes", [[], ["hob.reference_diameter=75", "shaft_angle=82", "worm.right_hand=false", "worm.threads=1"]], ids=str
 )
+@pytest.mark.sweep_cases("['hob.reference_diameter=75', 'shaft_angle=82', 'worm.right_hand=false', 'worm.threads=1']")
 def test_hob_of_a_worm_wheel_touches_its_flank_without_cutting(changes: list[str]) -> None:
     """Compare with the drawn section of the hob's thread alone. Points of seven teeth of the wheel are carried into it by the
     screw motion."""

@@ -28,6 +28,7 @@ import gearmesh as gm
         4,
     ),
 )
+@pytest.mark.sweep_cases("zerol-given3-75")
 def test_the_shaft_angle_is_that_of_the_design(sample: str, given: list[str], angle: float) -> None:
     pair = gm.build(gm.load(SAMPLES / f"{sample}.toml", given)).pairs[0]
     assert np.degrees(pair.shaft_angle) == pytest.approx(angle, abs=1e-9)

@@ -91,6 +91,7 @@ def test_ball_and_shank_stay_out_of_the_whole_solid(name: str, member: str, tool
     assert shank.min(initial=np.inf) > 0.9 * answer._path.clearance
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
     member, ball, order = gm.gear(17, module=2, face=6).members["gear"], BallCutter(1.3, 10.0), PathOrder(0.02)
@@ -110,6 +111,7 @@ def test_the_proof_reports_a_gouge_and_a_ridge() -> None:
     assert measured(fewer).scallop > 1.5 * path.left.scallop
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_the_largest_ball() -> None:
     """Largest ball of a rack is its tip rounding. The tolerance is the rounding error of 100 mm over the height of an arc of 1
@@ -162,7 +164,8 @@ def test_the_holder_stays_clear_of_the_teeth() -> None:
 
 
 @pytest.mark.sweep_cases(
-    "--tool ball:9-2---tool = ball:9: the largest ball that fits has a diameter of 1.2048 mm, by the least radius of"
+    "--tool ball:9-2---tool = ball:9: the largest ball that fits has a diameter of 1.2048 mm, by the least radius of",
+    "--tool ball:1 --stock 9-2---stock = 9 mm: it leaves no room for a ball; allowed is at most 0.59",
 )
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),

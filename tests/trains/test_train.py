@@ -149,6 +149,7 @@ def set_of_phases(planets: int) -> dict[str, Any]:
     return {"kind": "train", "stages": {"set": tables}, "shafts": shafts}
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("reverse", [False, True])
 @pytest.mark.sweep_cases("False")
 def test_phases_of_planets_are_those_of_the_set(reverse: bool) -> None:
@@ -163,6 +164,7 @@ def test_phases_of_planets_are_those_of_the_set(reverse: bool) -> None:
         assert apart - np.round(apart) == pytest.approx(np.zeros(3), abs=1e-6), first
 
 
+@pytest.mark.sweep
 def test_planets_move_as_their_own_meshes_say() -> None:
     """Without the curve of the first planet, the relation of the second one is the same."""
     stage = Stage.of("set", gm.build(gm.load_train(set_of_phases(2)).file.stages["set"]))
@@ -269,6 +271,7 @@ def test_no_two_solids_overlap_at_20_rotations(name: str, request: pytest.Fixtur
             assert volume < 2.0 * TOLERANCE_MM * FLANK_AREA_MM2, (phi, pair, volume)
 
 
+@pytest.mark.sweep
 def test_teeth_touch_and_do_not_overlap(two_stage: gm.MultistageTrain) -> None:
     """The output turned back by little is free of all solids, turned ahead it is not: it is where the contact has it."""
     tolerance = 0.005
@@ -732,6 +735,7 @@ def test_gears_of_a_joined_shaft_must_touch() -> None:
         train.solids(0.1)
 
 
+@pytest.mark.sweep
 def test_the_command_writes_figures_table_and_solids(tmp_path: Path) -> None:
     made, table, solids = tmp_path / "train.json", tmp_path / "te.csv", tmp_path / "train.3mf"
     files = ("--json", made, "--csv", table, "-o", solids)

@@ -16,6 +16,7 @@ from gearmesh.view.diagrams import plots, turns_plot
 RACK = Path(__file__).parents[2] / "samples" / "rack.toml"
 
 
+@pytest.mark.sweep
 def test_curves_of_pairs_and_gears_coincide_where_a_pair_leads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Curves of gears with reliefs, which bend sharply. The edge of the figure cuts no word off, and the legend is outside the
     diagram."""
@@ -70,6 +71,7 @@ def test_roots_join_three_pairs_and_bars_are_the_harmonics(monkeypatch: pytest.M
 
 @pytest.mark.quick
 @pytest.mark.parametrize(("amplitude", "lowest", "height"), [(1e-11, 0.009, 0.005), (4.0, 8.0, 4.0)])
+@pytest.mark.sweep_cases("1e-11-0.009-0.005")
 def test_rounding_is_no_error_over_whole_turns(
     amplitude: float, lowest: float, height: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -44,6 +44,7 @@ def plane(sample: str, k: int) -> FlankPlane:
         ("spiral_bevel_basic", 0, ("cone distance (mm)", "height (mm)")),
     ],
 )
+@pytest.mark.sweep_cases("face_gear-1-labels2", "internal-1-labels1", "spiral_bevel_basic-0-labels3")
 def test_lengths_and_heights_are_named(sample: str, k: int, labels: tuple[str, str]) -> None:
     assert plane(sample, k).labels == labels
 
@@ -83,6 +84,7 @@ def test_the_pattern_is_the_union_of_many_ellipses() -> None:
     assert ((level <= 1.0) != union).mean() < 0.02 * union.mean()
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_sliding_grows_with_the_distance_from_the_pitch_point() -> None:
     """Spur gears: (1 + z1/z2) times the way along the line of action, whose end is the roll length; never out of the flank."""
@@ -122,6 +124,7 @@ def test_arrows_of_sliding_stay_on_the_flank_and_say_what_they_are(monkeypatch: 
             assert outline.contains_points((arrows.XY + way * half)[known]).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("size", [(1280, 960), (480, 360)])
 def test_panels_fill_a_picture_and_their_words_stay_apart(
     size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
@@ -145,6 +148,7 @@ def test_panels_fill_a_picture_and_their_words_stay_apart(
     assert filled > (0.38 if size[0] > 1000 else 0.12) * size[0] * size[1]
 
 
+@pytest.mark.sweep
 def test_fields_that_are_uniform_have_no_scale(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nor teeth where the flanks of pinion and gear end together, at toe and heel, but for rounding."""
     kept: list[Any] = []

@@ -20,6 +20,7 @@ from gearmesh.view.views import LOOK_DOWN_RAD, MAX_TURN_RAD
 SAMPLES = Path(__file__).parents[2] / "samples"
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("spiral_bevel_basic")
 @pytest.mark.parametrize("sample", ["rack", "spiral_bevel_basic"])
 def test_the_flank_fills_the_picture(sample: str) -> None:
@@ -49,6 +50,7 @@ def test_the_flank_fills_the_picture(sample: str) -> None:
     assert str(gears.design.name) in scene.title
 
 
+@pytest.mark.sweep
 @pytest.mark.sweep_cases("internal")
 @pytest.mark.parametrize("sample", ["beveloid_crossed", "internal"])
 def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,6 +80,7 @@ def test_all_that_touches_is_seen_and_no_word_lies_on_it(sample: str, monkeypatc
     ("sample", "member", "least"),
     [("circular_arc", "gear", (0.13, 0.0)), ("cycloidal", "disc", (0.6, 0.1)), ("spline", "hub", (0.09, 0.0))],
 )
+@pytest.mark.sweep_cases("cycloidal-disc-least1", "spline-hub-least2")
 def test_long_flank_is_no_strip_and_curved_profile_is_seen(
     sample: str, member: str, least: tuple[float, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -109,6 +112,7 @@ def test_a_word_for_an_end_beyond_the_picture_is_below_the_root(monkeypatch: pyt
     assert all(0.0 < place[0] < 800 and place[1] > root + 5.0 for place in ends.values())
 
 
+@pytest.mark.sweep
 def test_what_is_projected_is_the_closest_point_of_the_flank() -> None:
     """Against a dense grid of it; below the root of novikov gears, whose surface folds there, the search does not converge."""
     pair = gm.build(gm.load(SAMPLES / "novikov.toml")).pairs[0]

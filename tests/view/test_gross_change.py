@@ -42,13 +42,14 @@ def copy(name: str, folder: Path) -> np.ndarray:
         return np.asarray(image.convert("RGB").resize(CELLS, Image.Resampling.BOX))
 
 
-@pytest.mark.sweep_cases("long tooth")
+@pytest.mark.sweep_cases("long tooth", "pattern", "tooth")
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in FLAT])
 @pytest.mark.skipif(opengl.missing_opengl_message() is not None, reason="needs OpenGL")
 def test_scenes_look_as_they_did(name: str, tmp_path: Path) -> None:
     assert_alike(name, tmp_path)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", FLAT)
 def test_figures_look_as_they_did(name: str, tmp_path: Path) -> None:
     assert_alike(name, tmp_path)

@@ -84,6 +84,7 @@ def test_footprints_lie_on_the_flanks(loaded: LoadedContact) -> None:
     assert (np.einsum("fi,fi->f", along[1:], along[:-1]) > 0.0).all()
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 def test_halves_are_told_apart(loaded: LoadedContact) -> None:
     """Tooth pairs of double helical gears are divided by half, in order; together the halves have all pairs and shares."""

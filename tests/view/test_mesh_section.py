@@ -20,6 +20,7 @@ from gearmesh.view.scene import Scene
 SAMPLES = Path(__file__).parents[2] / "samples"
 
 
+@pytest.mark.sweep
 def test_contact_of_spur_gears_moves_along_the_line_of_action() -> None:
     gears = gm.build(gm.load(SAMPLES / "spur.toml"))
     pair, contact = gears.pairs[0], gears.contact()
@@ -82,6 +83,7 @@ def _drawn_section(name: str) -> tuple[gm.Gears, Scene]:
     return gears, mesh_section(rolling, dict.fromkeys(gears.pairs[0].members, None), (640, 480)).scenes()[0]
 
 
+@pytest.mark.sweep
 def test_section_of_bevel_gears_has_the_pitch_cones_of_their_tooth_numbers() -> None:
     """z 13, 44 at 90 deg: tan delta_1 = 13/44. Axes of hypoid gears do not meet: they have numbers alone."""
     gears, scene = _drawn_section("spiral_bevel_basic")
@@ -102,6 +104,7 @@ def test_section_of_bevel_gears_has_the_pitch_cones_of_their_tooth_numbers() -> 
     assert {word.text for word in scene.words} >= {"0", "11"}
 
 
+@pytest.mark.sweep
 def test_section_of_a_rack_has_its_pitch_line() -> None:
     """At the radius z m_n / (2 cos beta) of the pinion: z 20, m_n 2 mm, 19.5283 deg."""
     gears, scene = _drawn_section("rack")
@@ -141,6 +144,7 @@ def test_section_of_a_worm_drive_is_axial_section_and_middle_section() -> None:
     assert np.abs((points - focus) @ back).max() < 1e-2
 
 
+@pytest.mark.sweep
 def test_sections_of_a_set_name_their_mesh_and_have_no_facets(monkeypatch: pytest.MonkeyPatch) -> None:
     """Meshed within less than half a pixel."""
     asked = []

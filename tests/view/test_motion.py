@@ -17,6 +17,7 @@ from gearmesh.view.animation import write_animation
 from gearmesh.view.scene import Scene
 
 
+@pytest.mark.sweep
 @pytest.mark.quick
 @pytest.mark.parametrize("view", ["section", "pair"])
 def test_turning_gears_come_round_after_whole_pitches(view: str) -> None:
@@ -45,6 +46,7 @@ def test_contact_rolls_from_one_end_of_the_engagement_to_the_other() -> None:
     assert steps.max() < 3.0 * np.median(steps)
 
 
+@pytest.mark.sweep
 def test_compound_only_goes_and_ends_as_in_the_picture() -> None:
     gears = built_sample("spiral_bevel_basic")
     moving = gears.animation("pattern", size=(80, 60), look="compound")
@@ -106,6 +108,7 @@ def test_films_are_written_by_ffmpeg(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.mp4", "ffmpeg"]
 
 
+@pytest.mark.sweep
 @pytest.mark.skipif(opengl.missing_opengl_message() is not None, reason="needs OpenGL")
 def test_thin_lines_keep_their_colour_in_a_gif(tmp_path: Path) -> None:
     """The path of contact has few pixels; the ground stays white."""

@@ -27,6 +27,7 @@ def test_a_worm_is_in_front_whatever_rounding_says(aside: tuple[float, float]) -
     assert (camera.position - camera.focus) @ (worm - wheel) > 0.0
 
 
+@pytest.mark.sweep
 def test_a_rack_is_level_and_a_ring_fills_its_picture() -> None:
     """Both ends of an edge of the rack are at one height. Face gears fill the picture; 35 % above them was blank."""
     scene = built_sample("rack").picture("pair", size=(800, 600))._scene

@@ -63,6 +63,7 @@ def test_path_has_no_position_twice() -> None:
     assert steps.min() > 0.5 * steps.max()
 
 
+@pytest.mark.sweep
 def test_path_of_a_whole_engagement_is_cut_where_it_jumps() -> None:
     """Tip contact on a fillet, then contact of the flanks: between them is none, with another run beside it or without."""
     pair = pair_of(load(str(ROOT / "tests" / "corpus" / "nodes_novikov_sensible_205.toml"), []))

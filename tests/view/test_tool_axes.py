@@ -24,6 +24,7 @@ def tool_view(name: str) -> Scene:
 
 @pytest.mark.skipif(missing_opengl_message() is not None, reason="no OpenGL")
 @pytest.mark.parametrize("name", ["hypoid_face_hobbed", "zerol"])
+@pytest.mark.sweep_cases("zerol")
 def test_names_of_axes_cover_nothing(name: str) -> None:
     scene = tool_view(name)
     bare = render(replace(scene, words=()))
@@ -42,6 +43,7 @@ def test_names_of_axes_cover_nothing(name: str) -> None:
             assert any(apart)
 
 
+@pytest.mark.sweep
 def test_axis_that_has_no_name_is_not_drawn() -> None:
     """A rack has no axis in the picture; the gear's would look like a crack in its bore."""
     scene = tool_view("helical")
@@ -58,6 +60,7 @@ def shown(scene: Scene, body: int) -> np.ndarray:
     return np.stack((places.min(axis=0), places.max(axis=0)))
 
 
+@pytest.mark.sweep
 def test_no_side_is_blank_where_a_large_gear_is_cut_off() -> None:
     """The rack is small beside the gear of `helical`, which fills the picture to the heading and to the right edge."""
     gears = gm.build(gm.load(samples.folder_path() / "helical.toml"))
@@ -71,6 +74,7 @@ def test_no_side_is_blank_where_a_large_gear_is_cut_off() -> None:
 
 
 @pytest.mark.parametrize("name", ["beveloid_intersected", "helical"])
+@pytest.mark.sweep_cases("beveloid_intersected")
 def test_tool_and_tooth_fill_the_room_below_the_legend(name: str) -> None:
     """The edge of the tool's tip is level, however the tooth tapers; both take four fifths of the height, or the width."""
     gears = gm.build(gm.load(samples.folder_path() / f"{name}.toml"))

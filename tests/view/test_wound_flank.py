@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from oracles.built import pair_of
 from oracles.places import SAMPLES
 
@@ -30,6 +31,7 @@ def test_contact_on_a_thread_is_seen() -> None:
     assert not any(hidden(start, camera.axes, mesh.vertices[mesh.triangles]) for start in starts)
 
 
+@pytest.mark.sweep
 def test_contact_on_this_side_of_a_worm_is_in_the_picture() -> None:
     """Contact goes more than once round the axis: of its points all that are on the side of the axis that is seen."""
     pair = pair_of(load(str(SAMPLES / "worm_drive.toml"), ["hob.reference_diameter=66"]))
@@ -81,6 +83,7 @@ def hidden(start: Array, axes: Array, corners: Array) -> bool:
     return bool((depth > 0.0).any())
 
 
+@pytest.mark.sweep
 def test_gap_of_one_position_is_in_the_middle_of_the_picture() -> None:
     """The path of contact of a ZI worm goes round the thread; the roll test of one position touches a part of it at its side."""
     gears = gm.build(load(str(SAMPLES / "worm_drive.toml"), []))
