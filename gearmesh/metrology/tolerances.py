@@ -17,6 +17,8 @@ from gearmesh.records import dataclass
 
 #: um, below which tolerances are rounded to 0.1 um
 MAX_TENTH_UM = 5.0
+#: decimals of a tolerance in steps of its rounding; further ones are rounding of computed numbers
+STEP_DIGITS = 9
 #: um, up to which larger tolerances are rounded to 0.5 um; beyond, to 1 um
 MAX_HALF_UM = 10.0
 
@@ -24,8 +26,8 @@ MAX_HALF_UM = 10.0
 def round_tolerance(tolerance: float) -> float:
     """Round a tolerance (um): to 0.1 below 5 um, to 0.5 up to 10 um, to 1 beyond; halves are rounded up."""
     step = 0.1 if tolerance < MAX_TENTH_UM else 0.5 if tolerance <= MAX_HALF_UM else 1.0
-    # a tenth has no exact binary value: return the number that prints as the tolerance
-    return round(math.floor(tolerance / step + 0.5) * step, 1)
+    # a tenth has no exact binary value: a half is one within rounding, and the result is the number that prints as the tolerance
+    return round(math.floor(round(tolerance / step, STEP_DIGITS) + 0.5) * step, 1)
 
 
 #: end of a tolerance's symbol, after the symbol of the deviation

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -75,3 +77,25 @@ def test_the_class_of_a_gear_is_its_coarsest_figure() -> None:
     beyond = class_of(SPUR, {**measured, "F_p": 1000.0})
     assert beyond is not None
     assert (beyond.overall, beyond.limiting) == (None, ("F_p",))
+
+
+@pytest.mark.quick
+def test_halves_are_rounded_up_whatever_the_sum_of_their_parts_is() -> None:
+    """Exact fractions beside sums of binary numbers: 3.05 um is 30.499999999999996 tenths (m = 2, class 3)."""
+    assert CylindricalSizes(20, 2.0, 40.0, 20.0).tolerances(3)["f_faT"] == 3.1
+    halves = 0
+    for module, teeth in itertools.product(("1", "1.25", "2", "2.5", "3.75", "5", "6"), range(20, 200, 5)):
+        m, d = Fraction(module), Fraction(module) * teeth
+        reference = {
+            "f_pT": d / 1000 + Fraction("0.4") * m + 5,
+            "f_faT": Fraction("0.55") * m + 5,
+            "f_HaT": Fraction("0.4") * m + d / 1000 + 4,
+        }
+        for number in range(1, 12, 2):
+            found = CylindricalSizes(teeth, float(module), float(module) * teeth, 20.0).tolerances(number)
+            for symbol, value in reference.items():
+                exact = value * Fraction(2) ** ((number - 5) // 2)
+                step = Fraction(1, 10) if exact < 5 else Fraction(1, 2) if exact <= 10 else Fraction(1)
+                halves += (exact / step).denominator == 2
+                assert found[symbol] == float(math.floor(exact / step + Fraction(1, 2)) * step), (module, teeth, number)
+    assert halves > 100
