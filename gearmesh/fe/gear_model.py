@@ -119,7 +119,7 @@ class GearModel:
 
 
 def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
-    """Build the model of the requested members at a position that `placing.place` found.
+    """Build the model of the requested members at a position that `placing.place` found; `pair` is its pair.
 
     Sets are those of `hex_mesh` with the prefix pinion_ or gear_, and the sets pinion_held and gear_held of rim and cut
     faces. Raises TrimError for teeth that cannot be trimmed, and DesignError for a rim that does not fit.
@@ -264,7 +264,7 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
     centre = arc_centre(pair.both[member_index].tooth, pair.flanks[member_index], params)
     if request.even or np.isnan(at.pressure):
         return replace(plain_grid(request.cells), centre=centre)
-    pairs_beside = neighbours(pair, at, request.torque, request.materials) if request.every_tooth else {}
+    pairs_beside = neighbours(at, request.torque, request.materials) if request.every_tooth else {}
     # a thread that wedges itself into the gear slides far along the gear's flank before it is loaded
     slides = member_index == 0 and pair.pinion.tooth.screw is not None and len(request.members) == 2
     focus, beside = focus_on(pair, name, at, request.ellipse, turned=slides), {}

@@ -8,7 +8,7 @@ from dataclasses import field, replace
 
 import numpy as np
 
-from gearmesh.contact.engagement.train_turns import pitches_around
+from gearmesh.contact.engagement.train_turns import as_pair_0, leading_pairs
 from gearmesh.contact.flanks import hertz_path, solver_pair
 from gearmesh.contact.hertz import Material, contact_modulus, normal_force
 from gearmesh.contact.path import ContactPath
@@ -20,6 +20,7 @@ from gearmesh.mesh.hexahedra.hexahedra import Focus, HexGrid
 from gearmesh.mesh.hexahedra.layers import HALF_ARC, layers, running_angle
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair
+from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
 from gearmesh.teeth.region import Side
 from gearmesh.teeth.tooth import Tooth
 
@@ -27,21 +28,19 @@ from gearmesh.teeth.tooth import Tooth
 SLOPE_STEP = 1e-4
 #: step of the second differences for the deviation of the flank from straight along the ellipse
 BOW_STEP = 1e-2
-#: neighbouring tooth pairs, either way, among which the leading pair is searched
-MAX_NEIGHBOURS = 2
 #: rotation under load over the rotation by the Hertz approach alone, since teeth on their rim bend too: 1.12 for
 #: beveloid_crossed, 1.16 for a worm drive
 UNDER_LOAD = 1.15
 #: half lengths of the ellipse over which stations of both members are matched
 ELLIPSE_REACH = 1.5
-#: difference of rotation, rad, below which pairs are equally far ahead
-EQUAL_ADVANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class PlacedPair:
     """The leading tooth pair at a position, with its contact under the whole torque."""
 
+    #: gears whose teeth on +x are these teeth, displaced as they are there
+    pair: GearPair
     #: contact, as a path of one position
     path: ContactPath
     #: force along the normal, N
@@ -84,38 +83,33 @@ def place(pair: GearPair, phi1: float, torque: float, materials: tuple[Material,
     neighbours of the pair at phi1, the pinion is rotated by whole pitches, so that they are the teeth on +x. Raises
     NoSolutionError if no teeth touch there.
     """
-    flanks = solver_pair(pair)
-    start = contact_path(flanks, np.array([phi1]), pair.generation)
-    pitch = pair.pitch
-    turn = float(start.rotation[0]) if start.touching[0] else phi1
-    # a rotation by whole pitches brings other teeth to the same place, unless the members are eccentric
-    if pair.pinion.mount.eccentricity == pair.gear.mount.eccentricity == (0.0, 0.0):
-        turn -= pitch * float(np.round(turn / pitch))
-    near = max(MAX_NEIGHBOURS, pitches_around(pair))
-    path = contact_path(flanks, turn + pitch * np.arange(-near, near + 1.0))
-    if not path.touching.any():
+    # the model has all teeth at their nominal places
+    pinion, gear = (replace(member, index=NO_INDEX_ANGLES) for member in pair.both)
+    pair = replace(pair, pinion=pinion, gear=gear)
+    leading = leading_pairs(pair, np.array([phi1]))
+    if np.isnan(leading.phi2[0]):
         raise NoSolutionError(reason=f"no teeth touch at phi1 = {np.degrees(phi1):g} deg; tca shows where they do")
-    ahead = np.where(path.touching, pair.drive * path.te, -np.inf)
-    # pairs of conjugate gears are equally far ahead, apart from rounding: the requested pair then leads
-    pair_distance = np.abs(np.arange(-near, near + 1))
-    foremost = np.argmin(np.where(ahead >= ahead.max() - EQUAL_ADVANCE, pair_distance, near + 1))
-    return _under(pair, contact_path(flanks, path.rotation[[int(foremost)]]), torque, materials)
+    number = int(leading.number[0])
+    pair = as_pair_0(pair, number)
+    path = contact_path(solver_pair(pair), leading.rotation - number * pair.pitch)
+    return _under(pair, path, torque, materials)
 
 
 def neighbours(
-    pair: GearPair, at: PlacedPair, torque: float, materials: tuple[Material, Material]
+    at: PlacedPair, torque: float, materials: tuple[Material, Material]
 ) -> dict[tuple[int, int], PlacedPair]:
     """Return the tooth pairs beside the placed pair that have contact, each as if it had the whole torque.
 
     Keys are the places of the teeth (pinion, gear), counted from the teeth on +x.
     """
-    flanks, beside = solver_pair(pair), {}
-    signs = (pair.pinion.mount.sign, pair.gear.mount.sign * int(np.sign(flanks.ratio)))
+    pair, beside = at.pair, {}
+    signs = (pair.pinion.mount.sign, pair.gear.mount.sign * int(np.sign(pair.ratio)))
     for number in (-1, 1):
-        path = contact_path(flanks, at.path.rotation - pair.pitch * number)
+        own = as_pair_0(pair, number)
+        path = contact_path(solver_pair(own), at.path.rotation - pair.pitch * number)
         if path.touching[0]:
             pinion, gear = (-int(sign) * number for sign in signs)
-            beside[pinion, gear] = _under(pair, path, torque, materials)
+            beside[pinion, gear] = _under(own, path, torque, materials)
     return beside
 
 
@@ -133,6 +127,7 @@ def _under(pair: GearPair, leading: ContactPath, torque: float, materials: tuple
         length = 2.0 * semi_major if semi_major > 0.0 else 1.0
         approach = force / (contact_modulus(*materials) * length)
     return PlacedPair(
+        pair,
         leading,
         force=force,
         pressure=float(hertz.peak_pressure[0]),
@@ -158,7 +153,7 @@ def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1, *, turne
 def _find_focus(pair: GearPair, name: str, at: PlacedPair, turned: bool) -> Focus:
     """Return the focus of `focus_on` with one cell."""
     member_index = pair.index(name)
-    member, side = pair.both[member_index], pair.flanks[member_index]
+    member, side = at.pair.both[member_index], pair.flanks[member_index]
     tooth, fixed_to_own = member.tooth, member.mount.at(at.turns[member_index]).inverse
     params = (at.path.params1, at.path.params2)[member_index][0]
     centre = arc_centre(tooth, side, params)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from oracles.places import SAMPLES
@@ -15,6 +17,12 @@ from gearmesh.contact.hertz import Material
 from gearmesh.fe.placing import place
 from gearmesh.view.on_tooth import union_level
 from gearmesh.view.scene import contact_on
+
+#: pitch deviations of both members, um: the pair of teeth next to the pitch point leads at few positions
+UNEVEN = [
+    f"measured.{name}_pitch_{side}_um=[{','.join(f'{15 * math.sin(k * k + k + first):.2f}' for k in range(teeth))}]"
+    for name, side, teeth, first in (("pinion", "right", 20, 0), ("gear", "left", 40, 1))
+]
 
 
 @pytest.mark.sweep
@@ -46,6 +54,8 @@ def test_trains_turn_together_whichever_pair_is_known() -> None:
         ("spur", ["assembly.pinion_eccentricity=0.02", "assembly.pinion_phase=50", "gear.teeth=40"]),
         ("cycloidal", ["modification.equidistant=0.03", "assembly.dx=0.01"]),
         ("spline", ["assembly.dx=0.004", "assembly.gamma_h=0"]),
+        ("spur", UNEVEN),
+        ("spur", [*UNEVEN, "assembly.gear_eccentricity=0.02", "assembly.gear_phase=50"]),
     ],
 )
 def test_members_stand_where_whole_turns_say(sample: str, overrides: list[str]) -> None:
@@ -69,6 +79,26 @@ def test_finite_elements_of_a_spline_stand_on_the_pair_that_leads() -> None:
     steel = Material(206000.0, 0.3)
     rotation, phi2 = place(gears.pairs[0], 0.0, 1e5, (steel, steel)).turns
     assert phi2 == pytest.approx(leading_turns(gears.pairs[0], np.array([rotation]))[1][0], abs=1e-10)
+
+
+def test_finite_elements_of_eccentric_members_stand_where_solids_do() -> None:
+    """Teeth were those of another rotation, 12 um nearer, or were said not to touch at all.
+
+    Reference: distances of the axes of the teeth in closed form, and the error over whole turns.
+    """
+    pair = gm.build(gm.load(SAMPLES / "spur.toml", ["assembly.pinion_eccentricity=0.05", "gear.teeth=40"])).pairs[0]
+    turns, steel = whole_turns(pair), Material(206000.0, 0.3)
+    at_0 = leading_turns(pair, np.zeros(1))[1][0]
+    for k in (27, 87, 149):
+        phi1 = float(turns.phi1[k])
+        at = place(pair, phi1, 1e5, (steel, steel))
+        first, second = (member.mount.at(turn) for member, turn in zip(at.pair.both, at.turns, strict=True))
+        apart = math.hypot(90.0 - 0.05 * math.cos(phi1), 0.05 * math.sin(phi1))
+        assert np.linalg.norm((first.translation - second.translation)[:2]) == pytest.approx(apart, abs=1e-9)
+        # turned by whole pitches, so that the teeth that lead are on x
+        error = at.turns[1] - at_0 - pair.ratio * at.turns[0]
+        assert abs(at.turns[0]) < 1.5 * pair.pitch
+        assert error == pytest.approx(turns.te[k], abs=1e-9)
 
 
 def test_gaps_grow_as_the_ellipse_of_contact_says() -> None:

@@ -172,7 +172,7 @@ def test_planets_move_as_their_own_meshes_say() -> None:
     known, turned = path.output(theta)[-1], theta
     for mesh in path.meshes:
         phi1 = mesh.phi1(turned)
-        phi2, mount = leading_turns(mesh.pair, phi1, 2)[1], mesh.pair.gear.mount
+        phi2, mount = leading_turns(mesh.pair, phi1)[1], mesh.pair.gear.mount
         turned = mesh.ahead[1] + mount.sign * (phi2 - mount.zero)
     pitch, apart = 2.0 * np.pi / 71, turned - known
     assert apart - np.round(apart / pitch) * pitch == pytest.approx(np.zeros(5), abs=1e-9)
@@ -328,7 +328,7 @@ def rolled_turns(pair: GearPair, phi1: np.ndarray[Any, Any]) -> np.ndarray[Any, 
 
 def touched_turns(pair: GearPair, phi1: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Rotations (N,), rad, of the gear by first touch of all teeth near phi1."""
-    return leading_turns(pair, phi1, 2)[1]
+    return leading_turns(pair, phi1)[1]
 
 
 def chained(

@@ -361,7 +361,7 @@ def finite_elements_of(
     with part(0.0, 0.3):
         placed_pair = place(pair, phi1, request.torque, request.materials)
     with part(0.3, 1.0):
-        model = _make(design, pair, request, placed_pair)
+        model = _make(design, request, placed_pair)
     missing = _missing_parts(design, pair, request, model._model)
     return replace(model, warnings=(*warnings, *missing, *_warnings(request, [model.measured])))
 
@@ -394,7 +394,7 @@ def finite_element_decks_of(
     models, missing = [], list[str]()
     for k, (job, at) in enumerate(zip(jobs, places, strict=True)):
         progress(k / len(jobs), f"{job}.inp")
-        made = _make(design, pair, request, at)
+        made = _make(design, request, at)
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -434,9 +434,9 @@ def _request(
     return request_of(design, pair, tuple(pair.members) if members is None else members, rotation, friction, sector)
 
 
-def _make(design: Design, pair: GearPair, request: Request, at: PlacedPair) -> FiniteElements:
+def _make(design: Design, request: Request, at: PlacedPair) -> FiniteElements:
     """Return the model of a placed pair, without warnings."""
-    started = time.perf_counter()
+    started, pair = time.perf_counter(), at.pair
     # the default spacing is refined until it resolves the contact pressure
     with part(0.0, 0.5 if request.resolved else 0.9):
         built, elements_to_resolve = gear_model(pair, request, at, design.title), None
