@@ -30,7 +30,7 @@ def test_both_sides_of_a_contact_are_followed_once(monkeypatch: pytest.MonkeyPat
     assert np.array_equal(contact.fit.coast_curve.engagement.contacts.x, alone.contacts.x, equal_nan=True)
 
 
-@pytest.mark.sweep
+@pytest.mark.sweep_cases("face_gear")
 @pytest.mark.parametrize("sample", ["spur", "face_gear"])
 def test_coast_flanks_that_are_an_image_are_not_solved(sample: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Panels of the coast flank have the places of its own solution: a half turn (spur) and a mirror (face gear)."""

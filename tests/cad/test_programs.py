@@ -117,7 +117,6 @@ def test_without_the_library_one_line_names_the_extra(monkeypatch: pytest.Monkey
             assert str(raised.value) == f'to_{library} needs {name}: pip install "gearmesh[{library}]"'
 
 
-@pytest.mark.sweep
 def test_a_mesh_for_manifold3d_is_the_same_body() -> None:
     solid = gears().solid("pinion", 0.05)
     body = solid.to_manifold()
@@ -168,7 +167,6 @@ def test_texts_have_the_alphabet_of_the_standard() -> None:
     assert basic_alphabet("Rad 'x' 12\n\U0001d11eäx") == r"Rad 'x' 12\X4\0000000A0001D11E000000E4\X0\x"
 
 
-@pytest.mark.sweep
 def test_a_planet_with_other_flanks_is_a_part_of_its_own() -> None:
     of = gears("planetary", tuple(SET))
     other = of.with_deviations("planet_2", "left", 0.001 * np.ones((2, 2)))

@@ -91,7 +91,6 @@ def test_clearance_below_contact_matches_line_of_action() -> None:
     np.testing.assert_allclose(found.beyond[1:3, 1:-1], past[1:, 1:-1], atol=2e-3)
 
 
-@pytest.mark.sweep
 def test_files_hold_the_map(tmp_path: Path) -> None:
     found = gm.build(gm.load(SAMPLES / "zerol.toml")).ease_off()
     told = json.loads(found.save(tmp_path / "map.json").read_text())

@@ -122,7 +122,6 @@ def test_profile_crowning(flank: str) -> None:
     assert exact * spurs.gear == pytest.approx(amount * (pitch * spurs.pinion / (e.tip - e.root)) ** 2, rel=0.02)
 
 
-@pytest.mark.sweep
 @pytest.mark.sweep_cases("short", "long")
 @pytest.mark.parametrize("share", [0.45, 0.75, 1.0], ids=["short", "intermediate", "long"])
 def test_linear_tip_relief(share: float) -> None:

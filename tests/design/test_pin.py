@@ -124,7 +124,6 @@ def pinned(gears: gm.Gears, folder: Path) -> Path:
     "hypoid_face_hobbed",
     "planetary",
     "rack",
-    "spline",
     "spur",
     "spur_relieved",
 )

@@ -35,7 +35,6 @@ def test_a_design_without_a_name_is_called_as_an_engineer_would(keys: dict[str, 
     assert gm.parse(keys).title == title
 
 
-@pytest.mark.sweep
 @pytest.mark.quick
 def test_titles_of_all_kinds_are_words_numbers_and_a_size() -> None:
     designs = [gm.parse({"kind": kind, **gm.system(kind).design.example}) for kind in gm.kinds()]

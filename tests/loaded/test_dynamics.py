@@ -86,7 +86,6 @@ def test_tangent_stiffness_is_the_change_of_force_over_the_change_of_error() -> 
     np.testing.assert_allclose(rest, rest[0] * (-1.0) ** np.arange(8), atol=1e-9)
 
 
-@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("planets", "angles"), [pytest.param(3, "0, 120, 240", marks=pytest.mark.sweep), (4, "0, 88, 180, 268")]
 )

@@ -84,7 +84,7 @@ def test_rows_have_the_film_of_the_standard_and_the_pressure_of_hertz() -> None:
     assert total.max_flash_temperature == max(row.flash_temperature or 0.0 for row in rows)
 
 
-@pytest.mark.sweep
+@pytest.mark.sweep_cases("helical")
 @pytest.mark.parametrize("sample", ["spur", "helical"])
 def test_standard_friction_is_that_of_the_pitch_point(sample: str) -> None:
     """ISO/TR 14179-2 from the sheet's geometry; the efficiency is that of this coefficient, and of its local sum velocity."""
