@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -455,3 +456,19 @@ def test_large_packages_are_loaded_by_the_tests_that_need_them() -> None:
     named = {name: text for name, text in texts.items() if any(package in text for package in LARGE)}
     assert "test_volume.py" in named
     assert {name for name, text in named.items() if _loaded_by_importing(parsed(text).body) & LARGE} == set()
+
+
+@pytest.mark.quick
+def test_tests_take_public_names_from_where_users_take_them() -> None:
+    """A test that imports a public object from the module that defines it would not see that the public name is another one."""
+    public = {
+        name: getattr(place, name) for place in (gearmesh, import_module("gearmesh.kinds")) for name in place.__all__
+    }
+    pattern = re.compile(r"^\s*from (gearmesh\.[\w.]+) import (\([^)]*\)|.*)$", re.MULTILINE)
+    wrong = []
+    for file in sorted((PACKAGE.parent / "tests").rglob("test_*.py")):
+        for module, names in pattern.findall(file.read_text()):
+            for name in set(re.findall(r"\w+", names)) & public.keys() if module != "gearmesh.kinds" else ():
+                if getattr(import_module(module), name, None) is public[name]:
+                    wrong.append(f"{file.name}: {module}.{name}")
+    assert not wrong

@@ -10,12 +10,11 @@ from oracles.built import pair_of
 from oracles.places import SAMPLES
 
 import gearmesh as gm
-from gearmesh import Rigid
+from gearmesh import GearPair, Rigid
 from gearmesh.contact.conditions import meshing
 from gearmesh.contact.first_touch.first_touch import first_touch
 from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import rotation_about
-from gearmesh.teeth.gear_train import GearPair
 from gearmesh.teeth.kept_by_tooth import stand_for
 
 

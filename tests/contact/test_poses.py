@@ -9,10 +9,10 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Rigid
 from gearmesh.contact.assemblies import many_assemblies
 from gearmesh.contact.first_touch import field
 from gearmesh.contact.first_touch.poses import CHECKED_ASSEMBLIES, Poses
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
 from gearmesh.study.rows.work import _build, displacing_keys
 

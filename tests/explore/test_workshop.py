@@ -13,6 +13,7 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import Rigid
 from gearmesh.design.dotted import leaves
 from gearmesh.design.rewriting import rewritten
 from gearmesh.explore.explorer import origin_of, origin_of_file
@@ -21,7 +22,6 @@ from gearmesh.explore.keys import plain_values
 from gearmesh.explore.ranges import key_range
 from gearmesh.explore.state import Origin, refuse_keys
 from gearmesh.explore.workshop import Workshop
-from gearmesh.kernel.motion.rigid import Rigid
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.systems.system import complete_design
 

@@ -10,7 +10,7 @@ import pytest
 from oracles.moved_blades import clearances
 
 import gearmesh as gm
-from gearmesh.kernel.surface.stations import along
+from gearmesh.kinds import along
 from gearmesh.systems.spiral_bevel.machine.generated import Generated
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
 

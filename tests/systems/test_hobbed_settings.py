@@ -10,11 +10,10 @@ from oracles.measuring import along_normals
 
 import gearmesh as gm
 from gearmesh.answers.inspection.correction import correct_settings, residual_text
-from gearmesh.kinds import Side
+from gearmesh.kinds import Side, Tooth
 from gearmesh.systems import system as systems
 from gearmesh.systems.spiral_bevel.design import CROWN_MACHINE_KEYS
 from gearmesh.systems.spiral_bevel.synthesis.teeth_choice import bevel_teeth
-from gearmesh.teeth.tooth import Tooth
 
 #: a pair that no sample resembles
 DESIGN = {

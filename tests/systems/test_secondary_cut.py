@@ -10,9 +10,8 @@ import pytest
 from oracles.moved_blades import machine_points
 
 import gearmesh as gm
-from gearmesh.errors import VagueError
 from gearmesh.kernel.numeric.algebra import Array, rotation_about
-from gearmesh.kinds import Side
+from gearmesh.kinds import Side, VagueError
 from gearmesh.systems.spiral_bevel.build import try_build
 from gearmesh.systems.spiral_bevel.hobbing.secondary_cut import (
     ROOM_HEIGHTS,

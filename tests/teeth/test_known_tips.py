@@ -9,8 +9,8 @@ import pytest
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh.kinds import Side
 from gearmesh.systems import system as systems
-from gearmesh.teeth.tooth import Side
 
 #: stations that no proof has
 OTHER_STATIONS = np.linspace(0.01, 0.99, 17)

@@ -17,6 +17,7 @@ from oracles.command_line import refused, run
 from oracles.places import SAMPLES
 
 import gearmesh as gm
+from gearmesh import GearPair
 from gearmesh.check.roll import roll
 from gearmesh.contact.engagement.cycle import gears_curve
 from gearmesh.contact.engagement.pitch_turns import whole_turns
@@ -25,7 +26,6 @@ from gearmesh.contact.flanks import solver_pair
 from gearmesh.kernel.numeric.algebra import ARCSEC
 from gearmesh.kinds import Side
 from gearmesh.systems.cylindrical.planetary.motion import phases
-from gearmesh.teeth.gear_train import GearPair
 from gearmesh.trains.bodies import bodies_of
 from gearmesh.trains.layout import layout_of, stages_of
 from gearmesh.trains.stage import Stage
