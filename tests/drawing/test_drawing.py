@@ -277,6 +277,15 @@ def test_hand_is_of_the_member() -> None:
     assert rows_of("face_gear", "gear")["Mating gear: pinion"] == ""
 
 
+def test_run_outs_are_rows() -> None:
+    """Of hobbed teeth that run out into a shaft: their length and the radius of the tool."""
+    shaft = "pinion.heel_shaft={diameters=[70], lengths=[20]}", "pinion.run_out_radius=45"
+    own = rows_of("spur", "pinion", *shaft)
+    assert own["radius of the tool that leaves run-outs"] == "45 mm"
+    assert float(own["run-outs of the teeth beyond the face width, of both ends"].removesuffix(" mm")) > 15.0
+    assert not [name for name in rows_of("spur", "gear", *shaft) if "run-out" in name]
+
+
 def test_material_rows_have_the_values_of_the_member() -> None:
     own = rows_of("helical", "gear", "gear.material.youngs_modulus=110000", "material.density=7300")
     assert (own["Young's modulus"], own["density"]) == ("110 GPa", f"{number(7300.0)} kg/m\N{SUPERSCRIPT THREE}")
