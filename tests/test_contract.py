@@ -12,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from oracles.sources import nodes, parsed
+from oracles.sources import CLASSES, nodes, parsed
 
 import gearmesh
 
@@ -137,23 +137,42 @@ def package_of(parts: tuple[str, ...]) -> str:
     return parts[1] if len(parts) > 1 and parts[1] not in ("__init__", "__main__", "__version__") else ""
 
 
+#: texts of several lines
+LONG_TEXT = re.compile(r'"""(?:\\.|[^\\])*?"""', re.DOTALL)
+#: imports, and what may hold late ones, with the depth of each
+STATEMENTS = re.compile(
+    r"^(?P<depth>[ ]*)(?P<words>(?:from [.\w]+ )?import (?:\([^)]*\)|[^\n(#]*)|(?:async )?def |class |if (?:\w+\.)?TYPE_CHECKING:)",
+    re.MULTILINE,
+)
+
+
 @cache
 def imported(file: str, source: str) -> list[tuple[int, bool, str]]:
-    """(line, on importing, absolute dotted name) of all imports in a file, those for types too; `from a import b` gives a.b."""
+    """(line, on importing, absolute dotted name) of all imports in a file, those for types too; `from a import b` gives a.b.
+
+    From the lines, as the formatter writes them: to parse every file takes 5 s. An import is late within a function, and where
+    only types are checked.
+    """
     package, found = Path(file).parts[:-1], []
-    inner = {id(n) for f in nodes(source) if isinstance(f, ast.FunctionDef | ast.AsyncFunctionDef) for n in ast.walk(f)}
-    checking = {id(n) for f in nodes(source) if isinstance(f, ast.If)
-                and "TYPE_CHECKING" in (getattr(f.test, "id", ""), getattr(f.test, "attr", ""))
-              for n in ast.walk(f)}  # fmt: skip
-    late = inner | checking
-    for node in nodes(source):
-        early = id(node) not in late
+    # long texts hold programs that are written, not imports
+    code = LONG_TEXT.sub(lambda text: "\n" * text[0].count("\n"), source)
+    within: list[tuple[int, bool]] = []
+    for statement in STATEMENTS.finditer(code):
+        depth, words = len(statement["depth"]), statement["words"]
+        while within and within[-1][0] >= depth:
+            within.pop()
+        late = bool(within) and within[-1][1]
+        if not words.startswith(("import ", "from ")):
+            within.append((depth, late or not words.startswith("class ")))
+            continue
+        line = code.count("\n", 0, statement.start("words")) + 1
+        (node,) = ast.parse(words).body
         if isinstance(node, ast.Import):
-            found += [(node.lineno, early, alias.name) for alias in node.names]
+            found += [(line, not late, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else ()
             stem = [*base, *(node.module.split(".") if node.module else ())]
-            found += [(node.lineno, early, ".".join((*stem, alias.name))) for alias in node.names]
+            found += [(line, not late, ".".join((*stem, alias.name))) for alias in node.names]
     return sorted(found)
 
 
@@ -238,13 +257,7 @@ def test_no_folder_has_more_modules_than_one_can_scan() -> None:
 
 def test_no_code_asks_which_tool_or_motion_made_a_surface() -> None:
     """Outside tools and kernel no isinstance of a class of tools, nor of a surface of the kernel, an envelope or a motion."""
-    known = {
-        node.name
-        for file in FILES
-        if file.startswith(TOOLS)
-        for node in nodes(source(file))
-        if isinstance(node, ast.ClassDef)
-    }
+    known = {name for file in FILES if file.startswith(TOOLS) for name in CLASSES.findall(source(file))}
     example = (
         "from gearmesh.tools.rack import Arc\nisinstance(s, Arc | None)\nmatch s:\n    case rolling.RackRoll(): pass\n"
     )
@@ -258,8 +271,19 @@ def test_no_code_asks_which_tool_or_motion_made_a_surface() -> None:
     assert not asking, "\n".join(asking)
 
 
+#: words that ask for a class, and how far around them its name stands
+ASKING = re.compile(r"\b(?:isinstance|issubclass|type)\(|^ *case ", re.MULTILINE)
+NEAR_WORDS = 400
+WORD = re.compile(r"\w+")
+
+
 def asked(file: str, text: str, known: set[str]) -> list[tuple[int, str]]:
     """(line, name) of the `known` classes that a file asks for by isinstance, issubclass, match or `type(x) is`."""
+    # only a file that has a known name beside such words is worth its syntax tree
+    places = [found.start() for found in ASKING.finditer(text)]
+    near = {word for at in places for word in WORD.findall(text, max(at - NEAR_WORDS, 0), at + NEAR_WORDS)}
+    if not near & known:
+        return []
     own = {name.rpartition(".")[2] for _, _, name in imported(file, text) if name.startswith("gearmesh.")}
     found = []
     for node in nodes(text):

@@ -476,6 +476,7 @@ def test_port_in_use_is_one_line() -> None:
     assert refused("explore", "--no-browser", "--set", "module=2").startswith("--set = module=2: needs a design")
 
 
+@pytest.mark.sweep
 def test_values_given_with_a_kind_are_those_of_its_page() -> None:
     origin = origin_of_kind("cylindrical", ["pinion.teeth=23"])
     assert origin.shown["pinion.teeth"] == 23

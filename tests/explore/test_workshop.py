@@ -256,6 +256,7 @@ def test_planets_go_round_with_their_carrier() -> None:
     assert moving == 3
 
 
+@pytest.mark.sweep
 def test_a_key_of_a_stage_changes_its_stage_alone(train: Workshop) -> None:
     first, key = ask(train), "stages.second.helix_angle"
     held = [shape["key"] for shape in first[-1]["shapes"]]
@@ -281,6 +282,7 @@ def test_a_refused_key_of_a_stage_has_its_name_and_an_offer(train: Workshop) -> 
         assert of(ask(train, changes={key: value}), "refused")[0]["key"] == key
 
 
+@pytest.mark.sweep
 def test_a_train_is_saved_with_its_comments_and_as_its_own_files(train: Workshop, tmp_path: Path) -> None:
     text = (SAMPLES / "trains" / "train_two_stage.toml").read_text(encoding="utf-8")
 
@@ -316,6 +318,7 @@ def test_work_that_is_not_wanted_ends(workshop: Workshop) -> None:
     assert "scene" not in {message["type"] for message in found}
 
 
+@pytest.mark.sweep
 def test_work_ends_at_the_next_surface_and_leaves_gears_as_they_were() -> None:
     """Gears are kept between changes: work that was broken off anywhere must not change what comes next."""
     origin = origin_of_file(SAMPLES / "spur.toml")
@@ -382,6 +385,7 @@ def test_offers_that_do_not_build_are_not_made(workshop: Workshop) -> None:
         assert message["offers"] == []
 
 
+@pytest.mark.sweep
 def test_range_is_what_builds(workshop: Workshop) -> None:
     design = gm.load(SAMPLES / "helical.toml")
     found = key_range(design, "pressure_angle", 20.0)
