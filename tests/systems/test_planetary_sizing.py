@@ -164,3 +164,16 @@ def test_a_set_is_checked(sizing: PlanetarySizing, number: int) -> None:
     verdicts = gm.build(sizing.design(number)).check().verdicts
     assert verdicts
     assert all(verdict.ok for verdict in verdicts)
+
+
+@pytest.mark.quick
+def test_helical_sun_and_planet_without_shifts_are_found() -> None:
+    """At a = m (zs + zp) / (2 cos beta), which is proposed with four decimals, so that the sum is not 0 to the last bit."""
+    found = gm.size_planetary(
+        5.0, outside_diameter=200.0, module=2.0, helix=(15.0, 15.0), shifts=(0.0, 0.0), tolerance=0.001
+    )
+    assert found.rows
+    for row in (each.row for each in found.rows):
+        distance = (row["teeth_sun"] + row["teeth_planet"]) / math.cos(math.radians(15.0))
+        assert row["center_distance_mm"] == pytest.approx(distance, abs=5.1e-5)
+        assert row["profile_shift_sun"] + row["profile_shift_planet"] == pytest.approx(0.0, abs=1e-4)

@@ -204,3 +204,13 @@ def test_internal_pairs_of_few_teeth_difference_have_stub_tips_that_pass() -> No
         name: {key: value for key, value in keys[name].items() if key != "tip_diameter"} for name in ("pinion", "gear")
     }
     assert room_of_tip_corners({**keys, **full}) < -0.1
+
+
+@pytest.mark.quick
+def test_shifts_that_add_up_to_nothing_have_the_helix_angle_of_the_distance() -> None:
+    """cos beta = m (z1 + z2) / 2a; the angle is proposed with four decimals, so that the sum is not 0 to the last bit."""
+    found = gm.size(ratio=3.0, center_distance=125.0, module=3.0, helix=(10.0, 20.0), shifts=(0.0, 0.0))
+    rows = [each.row for each in found.rows]
+    assert [(row["teeth_pinion"], row["teeth_gear"]) for row in rows] == [(20, 60)]
+    assert rows[0]["helix_angle_deg"] == pytest.approx(math.degrees(math.acos(0.96)), abs=5.1e-5)
+    assert rows[0]["profile_shift_pinion"] + rows[0]["profile_shift_gear"] == pytest.approx(0.0, abs=1e-4)

@@ -9,8 +9,9 @@ Internal pairs whose teeth would interfere get stub tips and other shifts, if su
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,8 @@ DEFAULT_WIDTH_MODULES = 10.0
 SHIFT_DECIMALS = 4
 #: difference of tooth numbers that is rounding
 TEETH_ROUNDING = 1e-9
+#: difference of sums of profile shifts that is rounding
+SHIFT_ROUNDING = 1e-9
 #: tolerances of the ratio at which the nearest pair is searched if none is found
 WIDER_TOLERANCES = (0.02, 0.05, 0.1, 0.2)
 #: halvings to the shift with which no tip is too thin: to the last decimal
@@ -104,9 +107,18 @@ def _designs(wanted: Wanted) -> Iterator[dict[str, Any]]:
     """Yield the keys of designs whose profile shifts add up within the range; the shifts are still to be shared."""
     for first, second in _tooth_numbers(wanted):
         for helix in _helix_angles(wanted, first, second):
-            total = _total(wanted, first, second, helix)
-            if wanted.shifts[0] <= total <= wanted.shifts[1]:
+            if sums_reach(wanted.shifts, partial(_total, wanted, first, second), helix):
                 yield _keys(wanted, first, second, helix)
+
+
+def sums_reach(shifts: tuple[float, float], sum_at: Callable[[float], float], value: float) -> bool:
+    """Return True if the sum of the profile shifts is in a range at a proposed value, or at one that is rounded to it.
+
+    `shifts`: ends of the range. `sum_at`: sum at a value; NaN if there is none.
+    """
+    half = 0.5 * 10.0**-SHIFT_DECIMALS
+    sums = [total for side in (-half, 0.0, half) if not math.isnan(total := sum_at(value + side))]
+    return bool(sums) and min(sums) - SHIFT_ROUNDING <= shifts[1] and max(sums) + SHIFT_ROUNDING >= shifts[0]
 
 
 def _tooth_numbers(wanted: Wanted) -> Iterator[tuple[int, int]]:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from gearmesh.errors import DesignError
@@ -26,7 +27,13 @@ from gearmesh.systems.cylindrical.merit import LENGTH_ROUNDING_MM, MeshMerit, me
 from gearmesh.systems.cylindrical.planetary import motion
 from gearmesh.systems.cylindrical.planetary.build import meshes
 from gearmesh.systems.cylindrical.planetary.design import PLANET_NAME, RING_NAME, SUN_NAME, PlanetaryDesign
-from gearmesh.systems.cylindrical.sizing import DEFAULT_WIDTH_MODULES, MIN_PINION_TEETH, SHIFT_DECIMALS, share_shifts
+from gearmesh.systems.cylindrical.sizing import (
+    DEFAULT_WIDTH_MODULES,
+    MIN_PINION_TEETH,
+    SHIFT_DECIMALS,
+    share_shifts,
+    sums_reach,
+)
 
 #: standard modules: series I of ISO 54, and DIN 780 below 1 mm
 STANDARD_MODULES_MM = (
@@ -319,10 +326,11 @@ def _sums_of_shifts(wanted: WantedSet, trial: SetTrial) -> tuple[float, float]:
     alpha, beta = math.radians(wanted.pressure_angle), math.radians(trial.helix_angle)
     sun, planet = (Toothing(teeth, trial.module, alpha, beta) for teeth in trial.teeth[:2])
     ring = Toothing(trial.teeth[2], trial.module, alpha, beta, internal=True)
+    pairs = (sun, planet), (planet, ring)
     totals = sum_of_shifts(sun, planet, trial.distance), sum_of_shifts(planet, ring, trial.distance)
     limits = wanted.shifts, (-MAX_RING_SHIFT_SUM, MAX_RING_SHIFT_SUM)
-    for name, total, (low, high) in zip((INNER_MESH, OUTER_MESH), totals, limits, strict=True):
-        if not low - LENGTH_ROUNDING_MM <= total <= high + LENGTH_ROUNDING_MM:
+    for name, pair, total, (low, high) in zip((INNER_MESH, OUTER_MESH), pairs, totals, limits, strict=True):
+        if not sums_reach((low, high), partial(sum_of_shifts, *pair), trial.distance):
             said = "no working pressure angle" if math.isnan(total) else f"they add up to {total:.4g}"
             raise _Rejection(f"profile shifts of {name} outside {low:g} to {high:g}", said)
     return totals
