@@ -131,6 +131,7 @@ def test_member_with_own_settings_needs_no_feasible_mating_gear(
     assert flanks(alone(GIVEN, f"{key}={found[2]}").members[other]).shape == of_the_pair[other].shape
 
 
+@pytest.mark.sweep
 def test_one_member_of_a_pair_built_together_has_its_sheet_columns() -> None:
     gears = gm.build(gm.load(SAMPLES / "planetary.toml"))
     whole, own = gears.sheet().tables, gears.sheet(member="planet_1").plain_tables

@@ -177,6 +177,7 @@ def test_freecad_has_the_names_of_parts(tmp_path: Path) -> None:
     assert by_freecad(file)["features"].items() >= {"sun": 1, "planet": 1, "planet001": 2, "set": 3}.items()
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize(
     ("member", "asked"),
     [("pinion", {"sector": 1}), pytest.param("gear", {"flank_only": "both", "teeth": 2}, marks=pytest.mark.sweep)],

@@ -252,6 +252,7 @@ def test_a_jammed_pair_overlaps_and_a_moved_one_does_not() -> None:
         assert bool(pieces) == thick
 
 
+@pytest.mark.sweep
 def test_the_search_for_a_freeing_shift_ends_after_so_much_effort(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tips of an undercut pinion in fillets took twelve solutions of the whole engagement, each as long as the pair's own."""
     tables = {"pinion": {"teeth": 20, "face_width": 20, "profile_shift": -0.9}, "gear": {"teeth": 40, "face_width": 20}}

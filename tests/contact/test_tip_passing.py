@@ -197,6 +197,7 @@ def test_jams_beyond_half_a_pitch_are_no_backlash(tmp_path: Path, capsys: pytest
     assert "the pair is jammed" in err
 
 
+@pytest.mark.sweep
 def test_tips_that_overlap_all_round_fail_the_check(tmp_path: Path) -> None:
     gears = gears_of(
         pressure_angle=25,

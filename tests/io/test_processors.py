@@ -101,6 +101,7 @@ def assert_alike(tmp_path: Path, program: str, *arguments: str) -> None:
     assert [name for name in here if here[name] != there[name]] == []
 
 
+@pytest.mark.sweep
 def test_meshes_and_sections_are_the_same_on_every_processor(tmp_path: Path) -> None:
     """The pinion has a flank near undercut, whose triangles differed, and was 27 um off with the same number of them."""
     assert_alike(tmp_path, PROGRAM, str(SAMPLES / "beveloid_crossed.toml"), "20um", "pinion")

@@ -208,6 +208,7 @@ def wire(mesh: TriangleMesh, step: float, random: np.random.Generator) -> np.nda
 
 
 @pytest.mark.parametrize("harm", [short_edges, touching_sheets, needles, wire])
+@pytest.mark.sweep_cases("wire")
 def test_surfaces_finer_than_float32(harm: object, tmp_path: Path) -> None:
     assert callable(harm)
     turned = 0

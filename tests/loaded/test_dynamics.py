@@ -66,6 +66,7 @@ def test_two_masses_with_these_tables_follow_the_static_transmission_error() -> 
     assert np.ptp(found) > 0.2 * found.max()
 
 
+@pytest.mark.sweep
 def test_tangent_stiffness_is_the_change_of_force_over_the_change_of_error() -> None:
     answer = tables()
     rows, lever = answer.grid, 1e-3 * answer.meshes[0].lever

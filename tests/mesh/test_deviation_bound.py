@@ -261,6 +261,7 @@ def test_a_part_of_a_tooth_has_edges_between_its_links() -> None:
     assert 0.0 < bound.sampled <= bound.largest <= 0.1
 
 
+@pytest.mark.sweep
 def test_facets_beside_a_reversing_fillet_are_compared_with_its_near_part() -> None:
     """The bound was 4.4 m, of 1 m measured, and the mesh that was asked for then filled the memory."""
     wheel = member_of("bound_worm_drive_81", "wheel")
