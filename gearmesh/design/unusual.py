@@ -1,10 +1,10 @@
-"""Notes on allowed but unusual settings: lengths in another unit, angles in radians, swapped members."""
+"""Notes on allowed but unusual settings: lengths in another unit, angles in radians, swapped members, keys without effect."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.explain import LARGEST_ANGLE_RAD, MAIN_ANGLES
 
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 #: largest module of a design in inches that does not look like mm
 LARGEST_MODULE_INCH = 3.0
+#: keys that have an effect beside another key alone, which is 0 by default
+PARTNER_KEYS = {"toprem_angle": "toprem_height", "toprem_radius": "toprem_height"}
 
 
 def unusual_settings(design: Design) -> tuple[str, ...]:
@@ -32,6 +34,9 @@ def _notes(design: Design) -> Iterator[str]:
     for key, value in own.items():
         if key.rpartition(".")[2] in MAIN_ANGLES and 0.0 < abs(value) <= LARGEST_ANGLE_RAD:
             yield f"{key} = {value:g} deg: angles are in degrees; {value:g} rad is {math.degrees(value):.4g} deg"
+        table, _, name = key.rpartition(".")
+        if value and name in PARTNER_KEYS and not _has_partner(own, table, PARTNER_KEYS[name]):
+            yield f"{key} = {value:g} has no effect without {PARTNER_KEYS[name]}"
     first, second = (getattr(design, name, None) for name in ("pinion", "gear"))
     teeth = [getattr(member, "teeth", None) for member in (first, second)]
     inside = any(getattr(member, "internal", False) for member in (first, second))
@@ -40,3 +45,10 @@ def _notes(design: Design) -> Iterator[str]:
             f"pinion.teeth = {teeth[0]} is more than gear.teeth = {teeth[1]}: are pinion and gear swapped? "
             "phi1, torque and speed are those of the pinion"
         )
+
+
+def _has_partner(own: dict[str, Any], table: str, partner: str) -> bool:
+    """Return True if the key `partner` is not 0 in a table or else in the table around it, or in a table inside it."""
+    around = table.rpartition(".")[0]
+    inside = [value for key, value in own.items() if key.startswith(f"{table}.") and key.endswith(f".{partner}")]
+    return any((own.get(f"{table}.{partner}", own.get(f"{around}.{partner}")), *inside))

@@ -8,6 +8,7 @@ import pytest
 
 import gearmesh as gm
 from gearmesh import DesignError
+from gearmesh.design.unusual import unusual_settings
 from gearmesh.systems.kinds import FIELD_WORDS, OWN_KINDS
 from gearmesh.systems.system import design_class
 
@@ -39,6 +40,31 @@ def test_unusual_settings_are_reported_and_count(keys: dict[str, Any], lines: li
         line for line in gears.warnings if line.startswith(tuple(lines))
     ]
     assert len([line for line in gears.warnings if line.startswith(tuple(lines))]) == len(lines)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("cutter", "silent"),
+    [
+        ({"toprem_angle": 11.0}, ["gear.cutter.toprem_angle = 11"]),
+        ({"toprem_angle": 11.0, "toprem_height": 0.0}, ["gear.cutter.toprem_angle = 11"]),
+        ({"toprem_radius": 25.0}, ["gear.cutter.toprem_radius = 25"]),
+        ({"toprem_radius": 0.0}, []),
+        ({"toprem_angle": 11.0, "toprem_height": 0.9}, []),
+        ({"toprem_angle": 11.0, "inside": {"toprem_height": 0.9}}, []),
+        ({"toprem_angle": 11.0, "toprem_height": 0.9, "inside": {"toprem_angle": 9.0}}, []),
+        (
+            {"toprem_angle": 11.0, "toprem_height": 0.9, "inside": {"toprem_height": 0.0, "toprem_angle": 9.0}},
+            ["gear.cutter.inside.toprem_angle = 9"],
+        ),
+    ],
+)
+def test_keys_without_the_one_beside_which_they_count_are_reported(cutter: dict[str, Any], silent: list[str]) -> None:
+    """A blade with toprem_angle alone was cut without a toprem, and nothing said so."""
+    design = gm.parse(
+        {"kind": "spiral_bevel", "module": 4, "pinion": {"teeth": 15}, "gear": {"teeth": 38, "cutter": cutter}}
+    )
+    assert list(unusual_settings(design)) == [f"{key} has no effect without toprem_height" for key in silent]
 
 
 @pytest.mark.quick
