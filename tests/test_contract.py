@@ -345,9 +345,9 @@ def test_members_answer_for_racks_and_double_helical_gears_themselves() -> None:
 def test_every_class_has_a_name_of_its_own() -> None:
     homes: dict[str, list[str]] = {}
     for file in FILES:
-        for node in nodes(source(file)):
-            if isinstance(node, ast.ClassDef):
-                homes.setdefault(node.name, []).append(f"{file}:{node.lineno}")
+        for name in CLASSES.findall(LONG_TEXT.sub("", source(file))):
+            homes.setdefault(name, []).append(file)
+    assert len(homes) > 1000
     assert {name: places for name, places in homes.items() if len(places) > 1} == {}
 
 
