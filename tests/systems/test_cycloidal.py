@@ -510,6 +510,14 @@ def two_discs(*overrides: str) -> Any:
     return gm.build(several(2, *keys, *overrides))
 
 
+def test_bodies_of_turned_discs_say_that_their_lobes_are_not_turned() -> None:
+    gears = two_discs("assembly.disc_ahead=[0, 0.004]")
+    made = gears.section("disc_2", tolerance=0.1).warnings, gears.solid("disc_2", 0.2).warnings
+    for warnings in made:
+        assert [line for line in warnings if "disc_2: its teeth are at their nominal places" in line]
+    assert not gears.section("disc_1", tolerance=0.1).warnings
+
+
 @pytest.mark.sweep
 @pytest.mark.parametrize("ahead", [0.0, 0.004])
 def test_contact_has_the_error_and_the_backlash_of_both_discs(ahead: float) -> None:

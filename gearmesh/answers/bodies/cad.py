@@ -340,7 +340,7 @@ def cad_of(
     for alike in in_turn(_alike([part.member for part in wanted])):
         body, left_out = extract.repeat(extract.shift(alike[0]))
         warnings += left_out
-        warnings += [at_nominal_places(equal_member) for equal_member in alike if equal_member.index.uneven]
+        warnings += [at_nominal_places(equal_member) for equal_member in alike if equal_member.index.off_place]
         part, figures = make(body, tolerance, extract.offset or None)
         # planet_1, planet_2 and planet_3 are three occurrences of the part planet
         part = replace(part, name=part.name.rstrip("0123456789").rstrip("_")) if len(alike) > 1 else part

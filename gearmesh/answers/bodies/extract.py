@@ -24,9 +24,13 @@ BOTH_FLANKS = "both"
 
 
 def at_nominal_places(member: Member) -> str:
-    """Return the note on a body that repeats one tooth of a member with pitch deviations."""
+    """Return the note on a body that repeats one tooth of a member whose teeth are off their places."""
     from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed
 
+    if not member.index.uneven:
+        return (
+            f"{member.name}: its teeth are at their nominal places against its body; contact and load have them turned"
+        )
     where = "its teeth are at their nominal places, as one is repeated"
     if not can_be_placed(member):
         return f"{member.name}: {where}; contact and load have pitch deviations"
@@ -172,8 +176,13 @@ class Extract:
             blank = blank_of(member)
             turned, bound = blank_mesh(blank, tolerance)
             return ExtractMesh(turned, bound, blank.genus, member)
-        if member.index.uneven:
-            if self.space or self.flanks or self.sector is not None or not can_be_placed(member):
+        if member.index.off_place:
+            if (
+                self.space
+                or self.flanks
+                or self.sector is not None
+                or not (member.index.uneven and can_be_placed(member))
+            ):
                 made = self.mesh(replace(member, index=NO_INDEX_ANGLES), tolerance, teeth)
                 return replace(made, warnings=(*made.warnings, at_nominal_places(member)))
             member = placed_teeth(member)

@@ -332,7 +332,7 @@ def omissions(members: Collection[Member], whole: bool, model: Model | None = No
     """
     sets = {} if model is None else model.mesh.face_sets
     parts: dict[str, list[str]] = {}
-    lines = [at_nominal_places(member) for member in members if member.index.uneven]
+    lines = [at_nominal_places(member) for member in members if member.index.off_place]
     turned = partial = False
     for member in members:
         web = ("web",) if member.plain_body.web is not None else ()

@@ -203,7 +203,7 @@ def section_of(
     )
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
-    if part.member.index.uneven and not can_be_placed(part.member):
+    if part.member.index.off_place and not (part.member.index.uneven and can_be_placed(part.member)):
         warnings.append(at_nominal_places(part.member))
     stock = section.stock if section.stock > tolerance else 0.0
     if stock:

@@ -55,6 +55,11 @@ class IndexAngles:
         return any(np.ptp(values) > 0.0 for values in (self.right, self.left) if values) or any(self.outwards)
 
     @property
+    def off_place(self) -> bool:
+        """True if any tooth is off its theoretical place, also if all are turned alike."""
+        return any(any(values) for values in (self.right, self.left, self.outwards))
+
+    @property
     def even(self) -> IndexAngles:
         """The same deviations without their differences: every flank of a side has their mean."""
         return IndexAngles(*((sum(side) / len(side),) * len(side) if side else () for side in (self.right, self.left)))
