@@ -142,7 +142,6 @@ def by_elements(case: Case, pair: GearPair, at: PlacedPair) -> Figures:
     """Return the figures of CalculiX."""
     started = time.perf_counter()
     built = gear_model(
-        pair,
         Request(teeth=case.teeth, cells=case.deck, ellipse=case.ellipse, torque=1e3 * case.torque, every_tooth=True),
         at,
     )

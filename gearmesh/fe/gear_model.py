@@ -118,21 +118,22 @@ class GearModel:
     gap: float
 
 
-def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
-    """Build the model of the requested members at a position that `placing.place` found; `pair` is its pair.
+def gear_model(request: Request, at: PlacedPair, title: str = "gearmesh") -> GearModel:
+    """Build the model of the requested members at a position that `placing.place` found.
 
     Sets are those of `hex_mesh` with the prefix pinion_ or gear_, and the sets pinion_held and gear_held of rim and cut
     faces. Raises TrimError for teeth that cannot be trimmed, and DesignError for a rim that does not fit.
     """
+    pair = at.pair
     with part(0.0, 0.5):
-        meshes = {name: member_mesh(pair, name, request, at) for name in in_turn(request.members)}
+        meshes = {name: member_mesh(name, request, at) for name in in_turn(request.members)}
     turns, in_mesh = list(at.turns), len(request.members) == 2
     gap = preload = 0.0
     if in_mesh:
         with part(0.5, 0.9):
             # facets of convex flanks do not touch at first touch: close the gap, and overlap both enough for CalculiX
             # to find contact
-            gap, apart = _facet_gap(pair, meshes, at)
+            gap, apart = _facet_gap(meshes, at)
         lever = float(at.path.normal[0] @ pair.gear.mount.velocity(at.path.point[0]))
         turns[1] -= pair.drive * gap / abs(lever)
         overlap = max(INITIAL_OVERLAP * at.approach, FACET_OVERLAP_FACTOR * apart)
@@ -147,19 +148,19 @@ def gear_model(pair: GearPair, request: Request, at: PlacedPair, title: str = "g
     materials = dict(zip(pair.members, request.materials, strict=True))
     model = Model(title, mesh, {name: materials[name] for name in request.members})
     if in_mesh:
-        model = _in_contact(model, pair, request, at)
+        model = _in_contact(model, request, at)
     else:
         (name,) = request.members
-        forces = _hertz_forces(pair, name, model, request, at)
+        forces = _hertz_forces(name, model, request, at)
         model = replace(model, supports=(Support(f"{name}_held"),), forces=(forces,))
         own_to_model = at.frame @ pair.members[name].mount.at(turns[pair.index(name)])
         model = replace(model, cyclic=cyclic_symmetry(pair.members[name], request, own_to_model))
     return GearModel(model, at, preload, gap)
 
 
-def _in_contact(model: Model, pair: GearPair, request: Request, at: PlacedPair) -> Model:
+def _in_contact(model: Model, request: Request, at: PlacedPair) -> Model:
     """Return the model with the gear held, the pinion's rim rigid and rotated, and the facing flanks in contact."""
-    turned = f"{pair.pinion.name}_held"
+    pair, turned = at.pair, f"{at.pair.pinion.name}_held"
     if request.rotation is None:
         tie = RigidTie(turned, np.zeros(3), load=(0.0,) * 5 + (at.sense * request.torque,))
     else:
@@ -176,10 +177,10 @@ def contact_stiffness(materials: tuple[Material, Material], at: PlacedPair) -> f
     return at.pressure / (SPRING_PENETRATION * at.approach)
 
 
-def member_mesh(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexMesh:
+def member_mesh(name: str, request: Request, at: PlacedPair) -> HexMesh:
     """Return one member's mesh in its own frame, with its set `held`, and with fine lines around the contact of the
     leading tooth."""
-    return held_mesh(pair.members[name], request, grid_of(pair, name, request, at))
+    return held_mesh(at.pair.members[name], request, grid_of(name, request, at))
 
 
 def held_mesh(member: Member, request: MeshRequest, grid: HexGrid) -> HexMesh:
@@ -256,10 +257,10 @@ def unloaded_model(member: Member, request: MeshRequest, material: Material, tit
     return Model(title, mesh, {name: material}, supports=(Support(f"{name}_held"),), cyclic=cyclic)
 
 
-def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexGrid:
+def grid_of(name: str, request: Request, at: PlacedPair) -> HexGrid:
     """Return the lines of a member; they follow the loaded ellipse unless they are requested to be even or there is no
     ellipse."""
-    member_index = pair.index(name)
+    pair, member_index = at.pair, at.pair.index(name)
     params = (at.path.params1, at.path.params2)[member_index][0]
     centre = arc_centre(pair.both[member_index].tooth, pair.flanks[member_index], params)
     if request.even or np.isnan(at.pressure):
@@ -267,15 +268,15 @@ def grid_of(pair: GearPair, name: str, request: Request, at: PlacedPair) -> HexG
     pairs_beside = neighbours(at, request.torque, request.materials) if request.every_tooth else {}
     # a thread that wedges itself into the gear slides far along the gear's flank before it is loaded
     slides = member_index == 0 and pair.pinion.tooth.screw is not None and len(request.members) == 2
-    focus, beside = focus_on(pair, name, at, request.ellipse, turned=slides), {}
+    focus, beside = focus_on(name, at, request.ellipse, turned=slides), {}
     for places, beside_at in pairs_beside.items():
-        beside_focus = focus_on(pair, name, beside_at, request.ellipse)
+        beside_focus = focus_on(name, beside_at, request.ellipse)
         # the contact of an edge under load is about as large as the leading contact
         beside[places[pair.index(name)]] = (
             replace(focus, s=beside_focus.s, t=beside_focus.t) if np.isnan(beside_at.pressure) else beside_focus
         )
     coarsest = resolving(request.second_order, at.approach) if request.resolved else None
-    shared = stations_under_load(pair, grid_of(pair, pair.gear.name, request, at), at) if slides else None
+    shared = stations_under_load(grid_of(pair.gear.name, request, at), at) if slides else None
     return replace(focused_grid(request.cells, focus, beside, coarsest, shared), centre=centre)
 
 
@@ -289,7 +290,7 @@ def resolving(second_order: bool, approach: float) -> CoarsestLines:
     )
 
 
-def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tuple[float, float]:
+def _facet_gap(meshes: dict[str, HexMesh], at: PlacedPair) -> tuple[float, float]:
     """Return the facet gap (mm) of the leading flanks, and the distance (mm) at which contact is searched.
 
     The gap is measured along the normal of contact, between nodes of one flank and facets of the other. The exact
@@ -305,8 +306,8 @@ def _facet_gap(pair: GearPair, meshes: dict[str, HexMesh], at: PlacedPair) -> tu
     # faces of both leading flanks in a frame at the contact: x along the ellipse, z along the normal
     axes = np.stack((along, np.cross(normal, along), normal), axis=-1)
     faces = []
-    for (name, mesh), side in zip(meshes.items(), pair.flanks, strict=True):
-        own_to_fixed = pair.members[name].mount.at(at.turns[pair.index(name)])
+    for (name, mesh), side in zip(meshes.items(), at.pair.flanks, strict=True):
+        own_to_fixed = at.pair.members[name].mount.at(at.turns[at.pair.index(name)])
         outlines = mesh.face_outlines(f"flank_{side}_{_leading(mesh, side)}")
         faces.append((own_to_fixed.point(mesh.nodes[outlines]) - at.path.point[0]) @ axes)
     # keep faces near the contact
@@ -374,12 +375,12 @@ def facing(mesh: HexMesh, pair: GearPair) -> list[tuple[str, str]]:
     return [(names[0][i], names[1][nearest[i]]) for i in mutual]
 
 
-def _hertz_forces(pair: GearPair, name: str, model: Model, request: Request, at: PlacedPair) -> NodeForces:
+def _hertz_forces(name: str, model: Model, request: Request, at: PlacedPair) -> NodeForces:
     """Return the Hertz pressure of the leading contact as statically equal forces on the nodes of the loaded flank."""
-    member_index = pair.index(name)
+    pair, member_index = at.pair, at.pair.index(name)
     side, mesh = pair.flanks[member_index], model.mesh
-    grid = grid_of(pair, name, request, at)
-    s, t, weight = _pressure_points(focus_on(pair, name, at), at)
+    grid = grid_of(name, request, at)
+    s, t, weight = _pressure_points(focus_on(name, at), at)
     flank = f"{name}_flank_{side}_{_leading(mesh, side, f'{name}_')}"
     outlines = mesh.face_outlines(flank)
     outlines = outlines.reshape(-1, len(grid.t) - 1, outlines.shape[1])

@@ -139,21 +139,21 @@ def _under(pair: GearPair, leading: ContactPath, torque: float, materials: tuple
     )
 
 
-def focus_on(pair: GearPair, name: str, at: PlacedPair, cells: int = 1, *, turned: bool = False) -> Focus:
+def focus_on(name: str, at: PlacedPair, cells: int = 1, *, turned: bool = False) -> Focus:
     """Return the loaded ellipse (or line, or point on an edge) in the coordinates of a member's working flank.
 
     With `turned` it is the ellipse's place on the pinion's flank after the load has rotated the pinion.
     """
     key = name, turned
     if key not in at.focuses:
-        at.focuses[key] = _find_focus(pair, name, at, turned)
+        at.focuses[key] = _find_focus(name, at, turned)
     return replace(at.focuses[key], cells=cells)
 
 
-def _find_focus(pair: GearPair, name: str, at: PlacedPair, turned: bool) -> Focus:
+def _find_focus(name: str, at: PlacedPair, turned: bool) -> Focus:
     """Return the focus of `focus_on` with one cell."""
-    member_index = pair.index(name)
-    member, side = at.pair.both[member_index], pair.flanks[member_index]
+    pair, member_index = at.pair, at.pair.index(name)
+    member, side = pair.both[member_index], pair.flanks[member_index]
     tooth, fixed_to_own = member.tooth, member.mount.at(at.turns[member_index]).inverse
     params = (at.path.params1, at.path.params2)[member_index][0]
     centre = arc_centre(tooth, side, params)
@@ -204,7 +204,7 @@ def _bow(tooth: Tooth, side: Side, place: tuple[float, float], slope: float, nor
     return abs(float((low - 2.0 * middle + high) @ normal)) / step**2
 
 
-def stations_under_load(pair: GearPair, grid: HexGrid, at: PlacedPair) -> Array:
+def stations_under_load(grid: HexGrid, at: PlacedPair) -> Array:
     """Return stations t (K,) of a thread's flank that match stations of the gear's `grid` under load.
 
     The stations lie over each other near the ellipse after the load has rotated the pinion. Conforming flanks are
@@ -212,16 +212,16 @@ def stations_under_load(pair: GearPair, grid: HexGrid, at: PlacedPair) -> Array:
     each other. With nodes of one flank over the middles of the other's edges, half of the ellipse did not touch in
     CalculiX.
     """
-    pinion, gear = pair.both
-    focus = focus_on(pair, gear.name, at)
+    pinion, gear = at.pair.both
+    focus = focus_on(gear.name, at)
     t = grid.t[np.abs(grid.t - focus.t) < ELLIPSE_REACH * focus.half_t]
     s = np.clip(focus.s + focus.slope * (t - focus.t), 0.0, 1.0)
-    points = np.diagonal(layers(gear.tooth, t, grid.centre).flank(pair.flanks[1], s).points, axis1=0, axis2=1).T
+    points = np.diagonal(layers(gear.tooth, t, grid.centre).flank(at.pair.flanks[1], s).points, axis1=0, axis2=1).T
     in_model = Rigid.about_z(-at.turn).point(at.frame.point(gear.mount.at(at.turns[1]).point(points)))
     thread_points = pinion.mount.at(at.turns[0]).inverse.point(at.frame.inverse.point(in_model))
     screw = pinion.tooth.screw
     assert screw is not None
-    angle = running_angle(pinion.tooth, thread_points) - arc_centre(pinion.tooth, pair.flanks[0], at.path.params1[0])
+    angle = running_angle(pinion.tooth, thread_points) - arc_centre(pinion.tooth, at.pair.flanks[0], at.path.params1[0])
     stations = 0.5 + np.sign(screw) * angle / (2.0 * HALF_ARC)
     return np.sort(stations[(stations > 0.0) & (stations < 1.0)])
 

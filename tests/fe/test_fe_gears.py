@@ -115,7 +115,7 @@ def test_lines_follow_the_contact_on_every_tooth(sample: str) -> None:
     pair = pair_of(load(SAMPLES / f"{sample}.toml"))
     at = place(pair, 0.3 * pair.pitch, 1e5, (STEEL, STEEL))
     request = Request(cells=Cells(flank=24, fillet=4, thickness=3, rim=2, face=6), torque=1e5)
-    plain, each = (gear_model(pair, replace(request, every_tooth=each), at).model.mesh for each in (False, True))
+    plain, each = (gear_model(replace(request, every_tooth=each), at).model.mesh for each in (False, True))
     assert len(plain.nodes) == len(each.nodes)
     near = near_pairs(pair, np.array([at.turns[0]]), 1.0)
     kept = (near.number != 0) & (np.abs(near.number) < 2)

@@ -138,7 +138,7 @@ def test_fine_lines_near_an_edge_leave_the_others_in_place() -> None:
     gears = gm.build(load(SAMPLES / "beveloid_parallel.toml", ["fe.ellipse=8", "fe.teeth=1"]))
     built = gears.finite_elements(phi1=6.0)
     assert built.figures["min_scaled_jacobian"] > 0.2
-    focus = focus_on(built.pair, "pinion", built._built.at)
+    focus = focus_on("pinion", built._built.at)
     assert focus.s + focus.slope * (0.0 - focus.t) > 1.0
 
 
@@ -275,7 +275,7 @@ def test_mid_side_nodes_are_in_the_middle() -> None:
     gears = pair("spiral_bevel_basic")
     request = Request(teeth=1, cells=COARSE, ellipse=3, torque=5e4, second_order=True)
     at = place(gears, 0.0, request.torque, request.materials)
-    mesh = member_mesh(gears, "pinion", request, at)
+    mesh = member_mesh("pinion", request, at)
     corners = mesh.nodes[mesh.elements[:, :8]][:, np.array(HEX_EDGES)]
     off = np.linalg.norm(mesh.nodes[mesh.elements[:, 8:]] - corners.mean(axis=2), axis=-1)
     assert (off / np.linalg.norm(corners[:, :, 0] - corners[:, :, 1], axis=-1)).max() < 0.1
@@ -322,11 +322,11 @@ def test_elements_asked_for_over_the_ellipse(sample: str) -> None:
     gears = pair(sample)
     request = Request(teeth=1, ellipse=8, torque=5e4)
     at = place(gears, 0.0, request.torque, request.materials)
-    built = gear_model(gears, request, at)
+    built = gear_model(request, at)
     mesh = built.model.mesh
     for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
-        grid = grid_of(gears, name, request, at)
-        focus = focus_on(gears, name, at)
+        grid = grid_of(name, request, at)
+        focus = focus_on(name, at)
         corners = mesh.nodes[mesh.face_corners(f"{name}_flank_{side}_1")]
         from_centre = corners.mean(axis=1) - at.frame.point(at.path.point[0])
         x, y = (from_centre @ at.frame.vector(axis(at.path)) for axis in (major_axis, minor_axis))
@@ -357,13 +357,13 @@ def test_members_touch_and_the_torque_drives(sample: str, flank: str) -> None:
     gears = pair(sample, f"{key}={value}")
     request = Request(teeth=3, cells=COARSE, ellipse=3, torque=5e4)
     at = place(gears, 0.0, request.torque, request.materials)
-    built = gear_model(gears, request, at)
+    built = gear_model(request, at)
     model = built.model
     assert [(c.slave, c.master) for c in model.contacts] == [
         (f"pinion_flank_{gears.flanks[0]}_{k}", f"gear_flank_{gears.flanks[1]}_{4 - k}") for k in (1, 2, 3)
     ]
     # the fine lines across the flank are the leading tooth's alone
-    along = len(grid_of(gears, "pinion", request, at).t) - 1
+    along = len(grid_of("pinion", request, at).t) - 1
     counts = [len(model.mesh.face_sets[f"pinion_flank_{gears.flanks[0]}_{k}"]) // along for k in (1, 2, 3)]
     assert counts[0] == counts[2] == COARSE.flank < counts[1]
     for name in ("pinion", "gear"):
@@ -395,7 +395,7 @@ def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: in
     fan = [(0, 1, 2), (0, 2, 3)] if order == 1 else [(0, 1, 7), (2, 3, 1), (4, 5, 3), (6, 7, 5), (1, 3, 5), (1, 5, 7)]
     flanks = []
     for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
-        mesh = member_mesh(gears, name, request, at)
+        mesh = member_mesh(name, request, at)
         triangles = mesh.face_outlines(f"flank_{side}_1")[:, fan].reshape(-1, 3)
         regions, normals = np.zeros(len(triangles), dtype=np.int32), np.zeros((len(triangles), 3))
         flanks.append(TriangleMesh(mesh.nodes, triangles, regions, ("flank",), normals))
@@ -405,7 +405,7 @@ def test_facets_are_seated_where_the_roll_test_finds_them(sample: str, order: in
     arm = np.cross(at.path.point[0] - mount.origin, at.path.normal[0]) @ mount.axis
     gap = -gears.drive * (found.phi2 - turns[1]) * abs(arm)
     # nodes over facets leave out where their edges cross, 0.2 um at most here
-    assert gear_model(gears, request, at).gap == pytest.approx(gap, abs=2e-4)
+    assert gear_model(request, at).gap == pytest.approx(gap, abs=2e-4)
     assert abs(gap) > 5e-4
 
 
@@ -414,7 +414,7 @@ def test_model_starts_with_the_overlap_it_says() -> None:
     gears = pair("beveloid_crossed")
     request = Request(teeth=1, cells=Cells(16, 10, 4, 3, 45), torque=5e4, even=True)
     at = place(gears, 0.0, request.torque, request.materials)
-    built = gear_model(gears, request, at)
+    built = gear_model(request, at)
     assert built.gap > 5e-4
     mesh, seen = built.model.mesh, []
     for name, side in zip(("pinion", "gear"), gears.flanks, strict=True):
@@ -429,7 +429,7 @@ def test_model_starts_with_the_overlap_it_says() -> None:
 def test_of_all_teeth_only_those_in_mesh_are_in_contact() -> None:
     gears = pair("spur")
     request = Request(teeth=None, cells=Cells(2, 3, 2, 1, 2), torque=5e4, even=True)
-    model = gear_model(gears, request, place(gears, 0.0, request.torque, request.materials)).model
+    model = gear_model(request, place(gears, 0.0, request.torque, request.materials)).model
     assert 3 <= len(model.contacts) <= 5
     assert not any("cut" in name for name in model.mesh.face_sets)
 
@@ -440,7 +440,7 @@ def test_one_member_is_pressed_as_by_its_mating_gear() -> None:
     for ellipse in (0, 6):
         request = Request(members=("pinion",), teeth=1, ellipse=ellipse, torque=5e4)
         at = place(gears, 0.0, request.torque, request.materials)
-        model = gear_model(gears, request, at).model
+        model = gear_model(request, at).model
         (load,) = model.forces
         total = load.forces.sum(axis=0)
         np.testing.assert_allclose(total, -at.force * at.frame.vector(at.path.normal[0]), rtol=0, atol=1e-9 * at.force)

@@ -439,12 +439,12 @@ def _make(design: Design, request: Request, at: PlacedPair) -> FiniteElements:
     started, pair = time.perf_counter(), at.pair
     # the default spacing is refined until it resolves the contact pressure
     with part(0.0, 0.5 if request.resolved else 0.9):
-        built, elements_to_resolve = gear_model(pair, request, at, design.title), None
+        built, elements_to_resolve = gear_model(request, at, design.title), None
     # if this takes too many elements, build the model with the plain default spacing and report the number
     if request.resolved and len(built.model.mesh.elements) > MAX_DEFAULT_ELEMENTS:
         elements_to_resolve, request = len(built.model.mesh.elements), replace(request, resolved=False)
         with part(0.5, 0.9):
-            built = gear_model(pair, request, at, design.title)
+            built = gear_model(request, at, design.title)
     figures = ModelFigures(
         **vars(mesh_figures(built.model.mesh)),
         phi1=float(np.degrees(at.turns[0])),
@@ -455,7 +455,7 @@ def _make(design: Design, request: Request, at: PlacedPair) -> FiniteElements:
         hertz_p0=at.pressure,
         hertz_a=at.semi_major,
         hertz_b=at.semi_minor,
-        resolution=_resolution(pair, request, built),
+        resolution=_resolution(request, built),
         elements_to_resolve=elements_to_resolve,
         preload=built.preload / ARCSEC,
         facets_gap=1e3 * built.gap,
@@ -467,7 +467,7 @@ def _make(design: Design, request: Request, at: PlacedPair) -> FiniteElements:
     return FiniteElements(design, built.model, figures, (), pair, request, built)
 
 
-def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolution:
+def _resolution(request: Request, built: GearModel) -> Resolution:
     """Return the numbers of elements over the loaded ellipse of each member, and the deviation of element edges along
     it.
 
@@ -480,7 +480,7 @@ def _resolution(pair: GearPair, request: Request, built: GearModel) -> Resolutio
         return Resolution(half_axes, inwards, None)
     sags = []
     for name in request.members:
-        focus, grid = focus_on(pair, name, built.at), grid_of(pair, name, request, built.at)
+        focus, grid = focus_on(name, built.at), grid_of(name, request, built.at)
         lines, k = grid.lines.flank, int(np.abs(grid.t - focus.t).argmin())
         across, middle = lines, focus.s
         if lines.ndim == 2:
