@@ -1,4 +1,4 @@
-"""Runs all tests that have the mark sweep, in ten parts, of which CI runs one for each commit: before a version.
+"""Runs all tests that have the mark sweep, in ten parts, of which CI runs two for each commit (a fifth): before a version.
 
     python scripts/sweep.py                     all ten parts, one after the other
     python scripts/sweep.py --parts 3 7         only these, such as those that failed

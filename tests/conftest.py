@@ -2,7 +2,7 @@
 garbage collector; one thread a process.
 
     python -m pytest                          all tests without the mark sweep
-    python -m pytest --sweep-part 3/10        and the third of ten parts of the tests that have it
+    python -m pytest --sweep-part 3/5         and the third of five parts of the tests that have it
     python -m pytest -m sweep                 these alone
     python -m pytest -m quick --part 2/5      the second of five parts of a selection
 

@@ -77,6 +77,7 @@ def measured(path: Path, design: Design, values: dict[str, float], noise: float 
     return noisy
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("key", CHANGES)
 @pytest.mark.sweep_cases("machine_centre_to_back", "machine_root_angle", "machining_offset", "radial", "sliding_base")
 def test_a_setting_that_was_off_comes_back(hypoid: Design, key: str, tmp_path: Path) -> None:

@@ -331,6 +331,7 @@ def test_the_default_rounding_has_room_beside_that_of_the_coast_side() -> None:
     assert derived["gear.tool_tip_radius"][1] < 0.3
 
 
+@pytest.mark.sweep
 def test_equal_angles_are_symmetric_cylindrical_teeth() -> None:
     plain = {key: value for key, value in CYLINDER.items() if key != "coast_pressure_angle"}
     ours, theirs = built({**plain, "coast_pressure_angle": DRIVE}), built(plain)

@@ -91,7 +91,7 @@ def parameters_of_map(design: gm.Design, gears: gm.Gears) -> tuple[np.ndarray, n
 
 
 @pytest.mark.sweep_cases(
-    "formate-concave", "inch-convex", "zerol-convex", "right-concave", "basic-concave", "hypoid-convex"
+    "formate-concave", "inch-convex", "zerol-convex", "right-concave", "basic-concave", "hypoid-convex", "mitre-concave"
 )
 @pytest.mark.parametrize(("name", "side"), in_turn(PAIRS, ["concave", "convex"]))
 def test_the_exact_map_is_what_was_asked_for(name: str, side: str) -> None:

@@ -272,7 +272,7 @@ def involute(angle: float) -> float:
     return float(np.tan(angle) - angle)
 
 
-@pytest.mark.sweep_cases("inch", "spiral_bevel_abdullah_curved")
+@pytest.mark.sweep_cases("inch", "spiral_bevel_abdullah_curved", "right", "spiral_bevel_formate")
 @pytest.mark.parametrize("name", PAIRS)
 def test_top_lands_are_nearly_those_of_the_virtual_gears(name: str) -> None:
     """Involutes on the virtual circle of the normal section: within a tenth of a module."""

@@ -112,6 +112,7 @@ def test_unmodified_drives_turn_evenly_on_half_of_the_pins(form: str, teeth: int
 
 
 @pytest.mark.parametrize("form", ["pins_in_ring", "pins_in_disc"])
+@pytest.mark.sweep_cases("pins_in_disc")
 def test_clearance_does_not_bring_pins_of_the_other_half_into_mesh(form: str) -> None:
     """17.8 of 19 pins, or 13.4 on the other flank: pins behind the eccentric touch if the ring turns back by 16 deg."""
     for flank, sense in (("right", 1), ("left", -1)):

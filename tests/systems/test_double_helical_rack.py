@@ -81,7 +81,7 @@ def test_the_whole_is_two_helical_racks_and_the_gap(gap: float, keys: dict[str, 
     ],
     ids=["planes", "bolts", "chamfers", "roundings"],
 )
-@pytest.mark.sweep_cases("roundings")
+@pytest.mark.sweep_cases("roundings", "bolts")
 def test_cad_has_the_exact_volume_and_every_face_once(gap: float, keys: dict[str, Any]) -> None:
     gears = bar(gap, **keys)
     cad, rack = gears.cad("rack"), gears.members["rack"]

@@ -220,7 +220,7 @@ def test_faces_of_blades_contain_the_pole(pair: str) -> None:
 
 
 @pytest.mark.parametrize("pair", ["right_angle", "obtuse", *SYNTHESISED])
-@pytest.mark.sweep_cases("bevel_formate", "hypoid", "right_angle")
+@pytest.mark.sweep_cases("bevel_formate", "hypoid", "right_angle", "obtuse")
 def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
     """No blade comes nearer than the flank, over rotation and roll; one blade touches it."""
     for side, _ in sides_of(synthesised_teeth(pair) if pair in SYNTHESISED else teeth_of(pair)):
@@ -249,6 +249,7 @@ def test_flanks_are_the_lower_envelope_of_the_moving_blades(pair: str) -> None:
 
 
 @pytest.mark.parametrize("pair", ["hypoid_formate", "bevel_formate"])
+@pytest.mark.sweep_cases("bevel_formate")
 def test_flanks_that_are_not_generated_are_the_traces_of_the_blades(pair: str) -> None:
     """Points, and normals across edge and motion, of blades that rotate while the blank indexes; the cradle stands."""
     for side in synthesised_teeth(pair).cut.gear.values():

@@ -137,7 +137,8 @@ def test_solids_contact_and_roll_test_agree() -> None:
     ],
 )
 @pytest.mark.sweep_cases(
-    "ring5-gear.tip_diameter = 131 mm: .*: the involute ends on the base circle, .* at least 131.557 mm"
+    "ring5-gear.tip_diameter = 131 mm: .*: the involute ends on the base circle, .* at least 131.557 mm",
+    "ring4-gear.root_diameter = 130 mm: if it is left out, .*: the root is inside the base circle",
 )
 def test_what_no_form_tool_leaves_is_refused_in_one_line(ring: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words) as failure:

@@ -257,7 +257,9 @@ def test_as_much_protuberance_as_stock_leaves_the_plain_tooth() -> None:
     ],
 )
 @pytest.mark.sweep_cases(
-    "hob3-keys3-its line of 18 deg is longer than the flank", "hob5-keys5-the chamfers leave no land"
+    "hob3-keys3-its line of 18 deg is longer than the flank",
+    "hob5-keys5-the chamfers leave no land",
+    "hob2-keys2-allowed is less than the pressure angle, 20 deg",
 )
 def test_refused_in_one_line(hob: dict[str, Any], keys: dict[str, Any], message: str) -> None:
     with pytest.raises(DesignError) as refused:

@@ -85,6 +85,7 @@ def test_flanks_of_moved_machines_are_the_lower_envelope_of_the_blades(
 
 
 @pytest.mark.parametrize("motions", [MOTIONS, ROLL_ALONE], ids=["motions", "modified_roll"])
+@pytest.mark.sweep_cases("motions")
 def test_jets_of_indexed_envelopes_agree_with_differences(motions: dict[str, tuple[float, ...]]) -> None:
     side = pinion_sides("face_hobbed_formate")["convex"]
     made, flank = envelope_of(side, motions)
@@ -110,6 +111,7 @@ def test_no_motion_leaves_the_envelope_of_the_crown_gear() -> None:
             assert getattr(other, key) == pytest.approx(getattr(one, key), rel=1e-10, abs=1e-10)
 
 
+@pytest.mark.sweep
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.sweep_cases("concave")
 def test_modified_roll_gives_the_parabola_of_a_formed_gear(name: str) -> None:

@@ -134,7 +134,7 @@ def least_apart(own: Any, mating: Any, own_to_mating: Rigid, cone: float) -> flo
     return least
 
 
-@pytest.mark.sweep_cases("obtuse")
+@pytest.mark.sweep_cases("obtuse", "above")
 @pytest.mark.quick
 @pytest.mark.parametrize("name", PAIRS)
 def test_tips_clear_the_roots_of_the_mating_gear(name: str) -> None:

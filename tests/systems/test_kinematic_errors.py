@@ -227,6 +227,7 @@ def test_spur_gears(flank: str) -> None:
 
 @pytest.mark.quick
 @pytest.mark.parametrize("geometry", [1, 2])
+@pytest.mark.sweep_cases("2")
 def test_compensation_of_the_shaft_angle(geometry: int) -> None:
     pair = (f"spiral_bevel_geometry{geometry}", "left", "pinion_convex")
     design = load(SAMPLES / f"{pair[0]}.toml").in_mm()

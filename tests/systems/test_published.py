@@ -137,6 +137,7 @@ def test_lt02_line_contact(case: int) -> None:
         assert np.ptp(line[:, 2]) > 5.0
 
 
+@pytest.mark.sweep
 def test_lt02_shaft_angle() -> None:
     assert abs(solve("beveloid_crossed").summary["shaft_angle_deg"] - 49.6284) < 5e-5
     # Example 1 is mounted at 60 deg, Example 3 on parallel axes

@@ -69,7 +69,7 @@ def alone_and_in_pair(name: str, table: str) -> tuple[gm.Gears, gm.Gears]:
     return alone, gm.build(gm.parse({"kind": "cylindrical", **keys, table: pinned, mating: other}))
 
 
-@pytest.mark.sweep_cases("helical-gear", "helical-pinion", "internal-gear", "shaped-pinion")
+@pytest.mark.sweep_cases("helical-gear", "helical-pinion", "internal-gear", "shaped-pinion", "spur-gear")
 @pytest.mark.parametrize(
     ("name", "table"),
     [

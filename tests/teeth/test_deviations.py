@@ -99,6 +99,7 @@ def test_a_bevel_flank_follows_45_deviations(bevel: Pair) -> None:
     assert np.abs(away(plain.right.flank, between) - wanted).max() < 1e-4
 
 
+@pytest.mark.sweep
 def test_normals_and_curvatures_of_a_bevel_flank(bevel: Pair) -> None:
     """Compare with differences of points and of normals, whose own error is of the second order in the step."""
     tooth = bevel.real.member("pinion").tooth

@@ -81,7 +81,7 @@ def removed(gears: gm.Gears, side: Side) -> tuple[np.ndarray, np.ndarray, np.nda
     # the vertex of the disk is that of the right flank
     [("worm", "worm_plunge", Side.RIGHT), ("worm", "worm_plunge", Side.LEFT), ("disk", "disk", Side.RIGHT)],
 )
-@pytest.mark.sweep_cases("worm-worm_plunge-right")
+@pytest.mark.sweep_cases("worm-worm_plunge-right", "worm-worm_plunge-left")
 def test_crowning_is_that_of_the_ground_flank(tool: str, crowning: str, side: Side) -> None:
     length, z, amounts = removed(ground(crowning), side)
     disk = {"crowning_disk_diameter": 2.0 * TOOL_RADIUS} if tool == "disk" else {}

@@ -44,6 +44,10 @@ def pinion(sample: str, *overrides: str) -> Member:
     "hypoid_face_hobbed",
     "modified_involute",
     "zerol",
+    "novikov",
+    "planetary",
+    "spiral_bevel_basic",
+    "worm_drive_zk_oversize",
 )
 @pytest.mark.parametrize("sample", NAMES)
 def test_links_of_the_chain_share_their_ends(sample: str) -> None:
