@@ -7,14 +7,22 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from gearmesh.design.explain import LARGEST_ANGLE_RAD, MAIN_ANGLES
+from gearmesh.design.shown import value_text
 
 if TYPE_CHECKING:
     from gearmesh.design.core import Design
 
 #: largest module of a design in inches that does not look like mm
 LARGEST_MODULE_INCH = 3.0
-#: keys that have an effect beside another key alone, which is 0 by default
-PARTNER_KEYS = {"toprem_angle": "toprem_height", "toprem_radius": "toprem_height"}
+#: keys that have an effect beside another key alone, and the keys of which one that is not 0 gives it
+PARTNER_KEYS = {
+    "toprem_angle": ("toprem_height",),
+    "toprem_radius": ("toprem_height",),
+    "swivel": ("tilt", "tilt_motion"),
+    "swivel_motion": ("tilt", "tilt_motion"),
+}
+#: ends of names of keys that have an effect beside the key with the other end
+PARTNER_ENDS = ("_phase", "_eccentricity")
 
 
 def unusual_settings(design: Design) -> tuple[str, ...]:
@@ -35,8 +43,12 @@ def _notes(design: Design) -> Iterator[str]:
         if key.rpartition(".")[2] in MAIN_ANGLES and 0.0 < abs(value) <= LARGEST_ANGLE_RAD:
             yield f"{key} = {value:g} deg: angles are in degrees; {value:g} rad is {math.degrees(value):.4g} deg"
         table, _, name = key.rpartition(".")
-        if value and name in PARTNER_KEYS and not _has_partner(own, table, PARTNER_KEYS[name]):
-            yield f"{key} = {value:g} has no effect without {PARTNER_KEYS[name]}"
+        partners = PARTNER_KEYS.get(name, ())
+        if name.endswith(PARTNER_ENDS[0]):
+            partners = (name.removesuffix(PARTNER_ENDS[0]) + PARTNER_ENDS[1],)
+        if value and partners and not any(_has_partner(design, own, table, partner) for partner in partners):
+            said = f"{value:g}" if isinstance(value, float) else value_text(value)
+            yield f"{key} = {said} has no effect without {' or '.join(partners)}"
     first, second = (getattr(design, name, None) for name in ("pinion", "gear"))
     teeth = [getattr(member, "teeth", None) for member in (first, second)]
     inside = any(getattr(member, "internal", False) for member in (first, second))
@@ -47,8 +59,21 @@ def _notes(design: Design) -> Iterator[str]:
         )
 
 
-def _has_partner(own: dict[str, Any], table: str, partner: str) -> bool:
-    """Return True if the key `partner` is not 0 in a table or else in the table around it, or in a table inside it."""
-    around = table.rpartition(".")[0]
+def _has_partner(design: Design, own: dict[str, Any], table: str, partner: str) -> bool:
+    """Return True if the key `partner` is not 0 in a table or else in the table around it, or in a table inside it.
+
+    Values left to a search are NaN, which counts as not 0.
+    """
+    value = _value(design, f"{table}.{partner}")
+    if value is None:
+        value = _value(design, f"{table.rpartition('.')[0]}.{partner}")
     inside = [value for key, value in own.items() if key.startswith(f"{table}.") and key.endswith(f".{partner}")]
-    return any((own.get(f"{table}.{partner}", own.get(f"{around}.{partner}")), *inside))
+    return any((value, *inside))
+
+
+def _value(design: Design, key: str) -> Any:
+    """Return the value of a dotted key; None where there is none."""
+    value: Any = design
+    for name in key.split("."):
+        value = getattr(value, name, None)
+    return value

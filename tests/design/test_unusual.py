@@ -68,6 +68,37 @@ def test_keys_without_the_one_beside_which_they_count_are_reported(cutter: dict[
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize(
+    ("kind", "tables", "lines"),
+    [
+        (
+            "cylindrical",
+            {"assembly": {"gear_phase": 40}},
+            ["assembly.gear_phase = 40 has no effect without gear_eccentricity"],
+        ),
+        ("cylindrical", {"assembly": {"gear_phase": 40, "gear_eccentricity": 0.01}}, []),
+        (
+            "spiral_bevel",
+            {"gear": {"teeth": 45, "cutter": {"swivel": 30}}},
+            ["gear.cutter.swivel = 30 has no effect without tilt or tilt_motion"],
+        ),
+        ("spiral_bevel", {"gear": {"teeth": 45, "cutter": {"swivel": 30, "tilt_motion": [0.0, 1.0]}}}, []),
+        (
+            "spiral_bevel",
+            {"pinion": {"teeth": 18, "concave": {"swivel_motion": [0.0, 3.0]}}},
+            ["pinion.concave.swivel_motion = [0.0, 3.0] has no effect without tilt or tilt_motion"],
+        ),
+        ("spiral_bevel", {"pinion": {"teeth": 18, "concave": {"swivel": 30, "tilt": 2}}}, []),
+    ],
+)
+def test_directions_of_nothing_are_reported(kind: str, tables: dict[str, Any], lines: list[str]) -> None:
+    """A direction counts beside its size alone."""
+    teeth = {name: {"teeth": member["teeth"]} for name, member in PAIR.items()}
+    members = teeth if kind == "spiral_bevel" else PAIR
+    assert list(unusual_settings(gm.parse({"kind": kind, "module": 2, **members, **tables}))) == lines
+
+
+@pytest.mark.quick
 def test_a_tolerance_of_a_tenth_of_the_module_is_reported() -> None:
     gears = gm.build(gm.parse({"kind": "cylindrical", "module": 2, **PAIR}))
     assert not gears.solid("pinion", 0.19).warnings
