@@ -21,7 +21,7 @@ from gearmesh.view.scene import contact_on
 #: pitch deviations of both members, um: the pair of teeth next to the pitch point leads at few positions
 UNEVEN = [
     f"measured.{name}_pitch_{side}_um=[{','.join(f'{15 * math.sin(k * k + k + first):.2f}' for k in range(teeth))}]"
-    for name, side, teeth, first in (("pinion", "right", 20, 0), ("gear", "left", 40, 1))
+    for name, side, teeth, first in (("pinion", "right", 20, 0), ("gear", "right", 40, 1))
 ]
 
 
