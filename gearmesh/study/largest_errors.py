@@ -41,7 +41,7 @@ class LargestFigures(Figures):
     way: int = figure("way in which the key changes: 1 or -1", whole=True)
     value: float = figure("largest value with which all criteria hold, in the design's units")
     fails: str | None = figure("criterion that fails beyond it; none if all hold in the range searched")
-    there: float | None = figure("value of the criterion's figure there", key="figure")
+    there: float | None = figure("figure of this criterion at the largest value, which is next to its limit", key="figure")
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class KeyRange(Figures):
 class LargestErrors(Result):
     """Largest value of each key in each direction (+1, -1) with which all criteria hold, in the design's units.
 
-    A row names the criterion that fails beyond the value, and its figure there. Both are None if all criteria hold in
+    A row names the criterion that fails beyond the value, and its figure at the value. Both are None if all criteria hold in
     the range that is searched.
     """
 
@@ -77,7 +77,7 @@ class LargestErrors(Result):
 
     @property
     def listings(self) -> list[Listing]:
-        heads = ["key", "way", "largest", "fails beyond it", "figure there"]
+        heads = ["key", "way", "largest", "fails beyond it", "its figure"]
         rows = [
             [
                 row.key,
@@ -205,6 +205,6 @@ def _of_key(
             failing_criterion = criteria[
                 int(np.where(room > 0.0, np.inf, np.where(np.isnan(room), -np.inf, room)).argmin())
             ]
-            fails, failing_figure = failing_criterion.text, known[beyond][work.names.index(failing_criterion.figure)]
+            fails, failing_figure = failing_criterion.text, known[value][work.names.index(failing_criterion.figure)]
         rows.append(LargestFigures(work.keys[0], way, value, fails, failing_figure))
     return rows

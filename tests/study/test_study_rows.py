@@ -180,10 +180,13 @@ def test_the_largest_error_is_where_the_criterion_fails() -> None:
         if each.fails is None:
             assert abs(each.value) == 0.5
             continue
-        values = [each.value, each.value + 1e-3 * each.way]
+        # at the value the criterion holds with hardly any room, and does not 1e-6 of the reach beyond
+        assert (0.7 if each.fails.endswith("< 0.7") else -0.6) == pytest.approx(each.there, abs=1e-4)
+        values = [each.value, each.value + 1e-6 * each.way]
         rows = gears.study({"assembly.gamma_h": values}, record="path", workers=1).rows
         good = (rows["path_shift_length_mm"] < 0.7) & (rows["path_shift_length_mm"] > -0.6)
         assert good.tolist() == [True, False]
+        assert rows["path_shift_length_mm"][0] == pytest.approx(each.there, abs=1e-9)
     with pytest.raises(gm.DesignError, match="contact_ratio > 9: the design itself does not meet it"):
         gears.largest_errors(["assembly.dx"], ["contact_ratio>9"])
 

@@ -15,7 +15,7 @@ SEARCH_STEPS = 16
 #: steps that are evaluated at once
 STEPS_PER_BATCH = 4
 #: width of the final bracket, relative to the range that is searched
-RELATIVE_BRACKET_WIDTH = 1e-4
+RELATIVE_BRACKET_WIDTH = 1e-6
 #: limit of the rounds that refine the bracket
 MAX_REFINING_ROUNDS = 60
 
