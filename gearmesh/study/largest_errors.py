@@ -41,7 +41,9 @@ class LargestFigures(Figures):
     way: int = figure("way in which the key changes: 1 or -1", whole=True)
     value: float = figure("largest value with which all criteria hold, in the design's units")
     fails: str | None = figure("criterion that fails beyond it; none if all hold in the range searched")
-    there: float | None = figure("figure of this criterion at the largest value, which is next to its limit", key="figure")
+    there: float | None = figure(
+        "figure of this criterion at the largest value, which is next to its limit", key="figure"
+    )
 
 
 @dataclass(frozen=True)
