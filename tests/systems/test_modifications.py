@@ -88,6 +88,10 @@ def test_starts_by_diameter_or_roll_length_are_one() -> None:
             {"end_relief_heel": {"amount": 0.01, "length": 30}},
             "pinion.modifications.end_relief_heel.length = 30 mm: allowed is less than the face width, 24 mm",
         ),
+        (
+            {"profile_slope": 1.5, "helix_crowning": "10um"},
+            "pinion.modifications.profile_slope = 1.5 mm: the tooth is pointed at z = ",
+        ),
         ({"topography": "nowhere.csv"}, "nowhere.csv: cannot be read: "),
         (
             {"tip_relief": {"amount": 0.02, "start_roll_length": 13, "shape": "round"}},

@@ -13,6 +13,7 @@ from gearmesh.allowed import Allowed
 from gearmesh.design.modifications import EndRelief, Modifications, Modified, ProfileRelief, TriangularRelief
 from gearmesh.design.topography_file import TopographyGrid, read_topography
 from gearmesh.errors import DesignError
+from gearmesh.kernel.surface.stations import TrimError
 from gearmesh.systems.common.bounds import at_least, at_most
 from gearmesh.teeth.gear_train import Member
 from gearmesh.teeth.micro_geometry import modification as fields
@@ -35,6 +36,9 @@ from gearmesh.teeth.tooth_side import ToothSide
 #: points, across and along a flank, at which the slope of a modification is checked
 PROOF_SAMPLES = 33
 
+#: stations of a tooth whose land is proved: both ends of the face and its middle
+LAND_STATIONS = np.array([0.0, 0.5, 1.0])
+
 #: key, its amount in mm or its text, and the field of the modification, which is proportional to the amount
 Asked = tuple[str, float | str, FlankField]
 
@@ -56,12 +60,16 @@ def with_modifications(
     if not any(table is not None for side_tables in tables.values() for table in side_tables.values()):
         return member
     flanks = {side: true_flank(tooth, side, internal=internal) for side in tables}
-    right, left = (
-        _side(tooth, side, side_tables, flanks[side], reference_radius) for side, side_tables in tables.items()
-    )
+    asked = {side: _asked(tooth, own, flanks[side], reference_radius) for side, own in tables.items()}
+    right, left = (_side(tooth, side, asked[side], flanks[side]) for side in tables)
+    made = replace(tooth, right=right, left=left)
+    try:
+        made.prove_land(LAND_STATIONS)
+    except TrimError as failure:
+        raise _no_land(made, failure, [*asked[Side.RIGHT], *asked[Side.LEFT]]) from failure
     return replace(
         member,
-        tooth=replace(tooth, right=right, left=left),
+        tooth=made,
         source_parameters=NamedParameters(flanks[Side.RIGHT].parameters, lambda p, v: (p, v)),
         tool_parameters=member.source_parameters,
     )
@@ -85,16 +93,32 @@ def with_true_involutes(member: Member, *, internal: bool = False) -> Member:
     )
 
 
-def _side(
-    tooth: Tooth, which: Side, tables: dict[str, Modifications | None], true: TrueFlank, reference_radius: float | None
-) -> ToothSide:
-    """Return one side of the tooth with the modifications that its tables ask for."""
+def _asked(
+    tooth: Tooth, tables: dict[str, Modifications | None], true: TrueFlank, reference_radius: float | None
+) -> list[Asked]:
+    """Return the modifications that the tables of one side ask for."""
     given = [(name, table) for name, table in tables.items() if table is not None]
-    asked = [entry for name, table in given for entry in _fields(name, table, tooth, true, reference_radius)]
+    return [entry for name, table in given for entry in _fields(name, table, tooth, true, reference_radius)]
+
+
+def _side(tooth: Tooth, which: Side, asked: list[Asked], true: TrueFlank) -> ToothSide:
+    """Return one side of the tooth with the modifications that are asked for."""
     for key, value, field in asked:
         _prove(key, value, field, true.extent)
     made = Modification(tuple(field for _, _, field in asked), true.extent) if asked else None
     return modified_side(tooth, which, true, made)
+
+
+def _no_land(tooth: Tooth, failure: TrimError, asked: list[Asked]) -> DesignError:
+    """Return the refusal of a tooth that has no land with its modifications; it names the largest amount."""
+    key, value, _ = max(asked, key=lambda entry: abs(entry[1]) if isinstance(entry[1], float) else 0.0)
+    return DesignError(
+        key,
+        value,
+        unit="mm" if isinstance(value, float) else "",
+        reason=f"{failure.reason} at z = {tooth.stations(failure.station):.4g} mm with this flank",
+        allowed="a smaller amount, or a lower tip",
+    )
 
 
 def _fields(
