@@ -22,7 +22,10 @@ class FilletFigures(Figures):
         "estimate of the error of the bending stress", "%", key="{member}_bending_stress_error_percent"
     )
     root_stress: float = figure(
-        "largest tensile stress in the fillet, away from the contact", "MPa", key="{member}_root_stress_mpa"
+        "largest tensile stress in the fillet; beside the contact the smaller of the stresses with and without the contact's own "
+        "field",
+        "MPa",
+        key="{member}_root_stress_mpa",
     )
     root_stress_30: float = figure(
         "tensile stress at the tangent of 30 deg to the fillet", "MPa", "sigma_F", key="{member}_root_stress_30_mpa"

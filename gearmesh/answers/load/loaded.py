@@ -220,7 +220,7 @@ class LoadedContact(Result):
         """Return stresses (2,), MPa, in the fillets of both members.
 
         They are the bending stress with an estimate of its error, and the stress of the contact's own field. The others
-        are the largest stress away from the contact and the stress at the tangents of 30 deg.
+        are the largest stress in the fillet and the stress at the tangents of 30 deg.
         """
         return {
             name: FilletFigures(

@@ -26,7 +26,10 @@ class LoadFigures(Figures):
     loaded_te_peak_to_peak: list[float | None] = figure("loaded transmission error, peak to peak", "arcsec")
     max_pressure: list[float | None] = figure("largest pressure", "MPa")
     root_stress: Mapping[str, list[float | None]] = figure(
-        "largest tensile stress in the fillets, away from the contact", "MPa", key="{member}_root_stress_mpa"
+        "largest tensile stress in the fillets; beside the contact the smaller of the stresses with and without the contact's own "
+        "field",
+        "MPa",
+        key="{member}_root_stress_mpa",
     )
     root_stress_30: Mapping[str, list[float | None]] = figure(
         "largest tensile stress at the tangents of 30 deg to the fillets", "MPa", key="{member}_root_stress_30_mpa"
