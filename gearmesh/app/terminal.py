@@ -206,7 +206,8 @@ def _show_ruled(listing: Listing) -> None:
 
 
 def warn(*sources: Iterable[str]) -> None:
-    """Print warnings on standard error, each once."""
+    """Print warnings on standard error, each once, after what is printed already where both go to one file or pipe."""
+    sys.stdout.flush()
     for line in dict.fromkeys(line for source in sources for line in source):
         print(f"gearmesh: warning: {one_line(line)}", file=sys.stderr)
 

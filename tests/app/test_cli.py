@@ -952,3 +952,32 @@ def test_signals_end_a_command_as_ctrl_c_does(tmp_path: Path, number: int, statu
     assert (process.returncode, said) == (status, "gearmesh: error: stopped: no file was written\n")
     assert list(tmp_path.iterdir()) == []
     assert not scratch.exists()
+
+
+class OneFile(io.RawIOBase):
+    """File that both standard streams go to, as in `gearmesh tca pair.toml > pair.txt 2>&1`."""
+
+    def __init__(self) -> None:
+        self.text = ""
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        self.text += bytes(data).decode()
+        return len(data)
+
+
+@pytest.mark.quick
+def test_warnings_stand_behind_the_output_in_one_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Standard output that is no terminal is kept in a buffer, standard error is not."""
+    file = OneFile()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BufferedWriter(file), encoding="utf-8"))
+    monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(file, encoding="utf-8", write_through=True))
+    keys = ("pinion.modifications.profile_crowning=0.01", "assembly.gamma_v=0.3")
+    assert cli.main(["tca", str(SAMPLES / "spur.toml"), *(word for key in keys for word in ("--set", key))]) == 0
+    lines = file.text.splitlines()
+    warnings = [k for k, line in enumerate(lines) if line.startswith("gearmesh: warning: ")]
+    assert warnings
+    assert lines[: warnings[0]].count("Contact") == 1
+    assert not any(line.startswith("mesh_te") for line in lines[warnings[0] :])
