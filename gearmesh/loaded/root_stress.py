@@ -7,7 +7,8 @@ it is the tension around the contact, not bending.
 A force that moves down the flank bends the fillet less and less, in proportion to its lever. Close to the fillet, the
 tension around the contact rises like 1/r^2. Forces nearer than half the height of the flank therefore count by their
 bending alone: the stress of forces farther up is continued in a straight line (`contact_tension`). No place of the
-fillet is excluded, so that the stress is continuous while a contact passes.
+fillet is excluded because a contact is near, so that the stress is continuous while a contact passes. Nodes on the
+border of flank and fillet never count: they carry the load, and their stress does not converge.
 
 The contact's own field is reported separately. On a half-space (Boussinesq) a force F causes on the surface, at
 distance r and angle phi to x,
@@ -50,7 +51,7 @@ class RootStress:
     bending: Array
     #: estimated relative error (M, 2) of `nominal`
     error: Array
-    #: largest stress (M, 2), MPa, in the fillet without the contact's own field
+    #: largest stress (M, 2), MPa, in the fillet below its border with the flank, without the contact's own field
     largest: Array
     #: point (M, 2, 3), mm, of the `largest` stress, own frame
     place: Array
@@ -155,7 +156,7 @@ def _by_mesh(body: FilletStress, pressed: Pressed) -> RootStress:
     field = pressed.field(body, body.fillet, whole)
     contact = np.where(field.any(axis=1), np.where(field, whole, -np.inf).max(axis=1), np.nan)
     # beside a force, where its own field is compressive, the whole stress is the smaller one and counts
-    counted = np.minimum(whole, without_contact)
+    counted = np.where(body.below_flank, np.minimum(whole, without_contact), -np.inf)
     bending = _bending(body, stress, contact_part)
     return RootStress(
         bending, np.full_like(bending, np.nan), counted.max(axis=1), body.fillet[counted.argmax(axis=1)], contact

@@ -22,8 +22,8 @@ class FilletFigures(Figures):
         "estimate of the error of the bending stress", "%", key="{member}_bending_stress_error_percent"
     )
     root_stress: float = figure(
-        "largest tensile stress in the fillet; beside the contact the smaller of the stresses with and without the contact's own "
-        "field",
+        "largest tensile stress in the fillet below its border with the flank; beside the contact the smaller of the stresses with "
+        "and without the contact's own field",
         "MPa",
         key="{member}_root_stress_mpa",
     )

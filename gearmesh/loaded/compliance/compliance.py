@@ -68,6 +68,8 @@ if TYPE_CHECKING:
 
 Index = NDArray[np.int64]
 
+#: distance, in eighths of the flank's height, within which a node of the fillet is a node of the flank
+BORDER_SHARE = 1e-6
 #: default elements of a sector
 SECTOR_CELLS = Cells(flank=8, fillet=12, thickness=4, rim=5, face=11)
 #: three quarters of these each way; the difference of root stress estimates the error
@@ -133,6 +135,13 @@ class FilletStress:
     def reach(self) -> int:
         """Number N of teeth on either side of the loaded tooth."""
         return len(self.stress) // 2
+
+    @cached_property
+    def below_flank(self) -> NDArray[np.bool_]:
+        """True (F,) for nodes of the fillet that are not on its border with the flank, where nodes carry the load."""
+        apart = np.linalg.norm(self.fillet[:, None] - self.points[0], axis=-1).min(axis=1)
+        below: NDArray[np.bool_] = apart > BORDER_SHARE * self.eighth
+        return below
 
     def of_tooth(self, loaded: int) -> FilletStress:
         """Return the stress under loads on tooth `loaded`, counted in the direction of motion; all teeth of a whole

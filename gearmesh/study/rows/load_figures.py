@@ -26,8 +26,8 @@ class LoadFigures(Figures):
     loaded_te_peak_to_peak: list[float | None] = figure("loaded transmission error, peak to peak", "arcsec")
     max_pressure: list[float | None] = figure("largest pressure", "MPa")
     root_stress: Mapping[str, list[float | None]] = figure(
-        "largest tensile stress in the fillets; beside the contact the smaller of the stresses with and without the contact's own "
-        "field",
+        "largest tensile stress in the fillets below their borders with the flanks; beside the contact the smaller of the stresses "
+        "with and without the contact's own field",
         "MPa",
         key="{member}_root_stress_mpa",
     )
