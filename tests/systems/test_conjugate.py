@@ -47,12 +47,8 @@ class Case:
         return (in_f @ self.own_from_f.T) * self.mirror
 
 
-@pytest.fixture(params=CASES, ids=lambda case: f"{case[0]}-{case[1]}-{case[2]}")
-def case(request: pytest.FixtureRequest) -> Case:
-    return Case(*request.param)
-
-
-@pytest.mark.sweep_cases(
+#: one pair and side for each commit, the others in the sweep
+ONE_QUICK = pytest.mark.sweep_cases(
     "1-left-pinion_concave",
     "1-right-pinion_convex",
     "2-left-pinion_convex",
@@ -61,6 +57,14 @@ def case(request: pytest.FixtureRequest) -> Case:
     "2-left-pinion_concave",
     "2-right-pinion_convex",
 )
+
+
+@pytest.fixture(params=CASES, ids=lambda case: f"{case[0]}-{case[1]}-{case[2]}")
+def case(request: pytest.FixtureRequest) -> Case:
+    return Case(*request.param)
+
+
+@ONE_QUICK
 def test_line_of_action(case: Case) -> None:
     wanted = case.fixed(case.forms.line_of_action(case.phi_d))
     np.testing.assert_allclose(case.path.point, wanted, rtol=0, atol=1e-9 * case.forms.cone_distance)
@@ -70,15 +74,7 @@ def test_line_of_action(case: Case) -> None:
     )
 
 
-@pytest.mark.sweep_cases(
-    "1-left-pinion_concave",
-    "1-right-pinion_convex",
-    "2-left-pinion_convex",
-    "2-right-pinion_concave",
-    "1-left-pinion_convex",
-    "2-left-pinion_concave",
-    "2-right-pinion_convex",
-)
+@ONE_QUICK
 def test_motion_is_conjugate(case: Case) -> None:
     assert np.ptp(case.path.te) < 1e-8 * ARCSEC
 
@@ -103,15 +99,7 @@ def test_paths_on_both_members(case: Case) -> None:
         np.testing.assert_allclose(found, place.point(wanted * case.mirror), rtol=0, atol=scale)
 
 
-@pytest.mark.sweep_cases(
-    "1-left-pinion_concave",
-    "1-right-pinion_convex",
-    "2-left-pinion_convex",
-    "2-right-pinion_concave",
-    "1-left-pinion_convex",
-    "2-left-pinion_concave",
-    "2-right-pinion_convex",
-)
+@ONE_QUICK
 def test_contact_moves_across_or_along_the_tooth(case: Case) -> None:
     sections = case.gears.pinion.tooth.blank.axial.value(case.path.point1)
     height = case.gears.pinion.tooth.blank.root.value(case.path.point1)

@@ -168,7 +168,7 @@ class Extract:
         from gearmesh.mesh.solid import gear_facets, some_teeth
         from gearmesh.mesh.tessellate import tessellate, tessellate_alike
         from gearmesh.mesh.turned_blank import blank_mesh
-        from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed, placed_teeth
+        from gearmesh.teeth.micro_geometry.placed_teeth import has_placed_teeth, placed_teeth
         from gearmesh.teeth.space import Space
         from gearmesh.teeth.turned_blank import blank_of
 
@@ -177,12 +177,7 @@ class Extract:
             turned, bound = blank_mesh(blank, tolerance)
             return ExtractMesh(turned, bound, blank.genus, member)
         if member.index.off_place:
-            if (
-                self.space
-                or self.flanks
-                or self.sector is not None
-                or not (member.index.uneven and can_be_placed(member))
-            ):
+            if self.space or self.flanks or self.sector is not None or not has_placed_teeth(member):
                 made = self.mesh(replace(member, index=NO_INDEX_ANGLES), tolerance, teeth)
                 return replace(made, warnings=(*made.warnings, at_nominal_places(member)))
             member = placed_teeth(member)

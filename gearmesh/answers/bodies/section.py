@@ -177,7 +177,7 @@ def section_of(
     from gearmesh.cad.contours.paths import base_tolerance, drawn_section
     from gearmesh.cad.contours.redrawn import Curves
     from gearmesh.cad.section import member_section
-    from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed, placed_teeth
+    from gearmesh.teeth.micro_geometry.placed_teeth import has_placed_teeth, placed_teeth
 
     if curves not in tuple(Curves):
         raise ArgumentError("curves", curves, must_be=f"one of {', '.join(Curves)}")
@@ -203,7 +203,7 @@ def section_of(
     )
     section = drawn_section(exact, kind, offset, tolerance)
     warnings = [*gears.warnings, *part.warnings]
-    if part.member.index.off_place and not (part.member.index.uneven and can_be_placed(part.member)):
+    if part.member.index.off_place and not has_placed_teeth(part.member):
         warnings.append(at_nominal_places(part.member))
     stock = section.stock if section.stock > tolerance else 0.0
     if stock:

@@ -15,7 +15,7 @@ from gearmesh.kernel.numeric.algebra import Array, distinct
 from gearmesh.records import dataclass
 from gearmesh.teeth.gear_train import GearPair, GearTrain, Member
 from gearmesh.teeth.micro_geometry.index_angles import NO_INDEX_ANGLES
-from gearmesh.teeth.micro_geometry.placed_teeth import can_be_placed
+from gearmesh.teeth.micro_geometry.placed_teeth import has_placed_teeth
 
 #: rounds that find the rotation of a driving member from the driven member; each reduces the error to 1e-6 of itself
 INVERSION_ROUNDS = 2
@@ -99,7 +99,7 @@ def _as_solids(pair: GearPair) -> GearPair:
     """Return the pair with the pitch deviations that teeth of solids have."""
 
     def member(own: Member) -> Member:
-        return own if own.index.uneven and can_be_placed(own) else replace(own, index=NO_INDEX_ANGLES)
+        return own if has_placed_teeth(own) else replace(own, index=NO_INDEX_ANGLES)
 
     return replace(pair, pinion=member(pair.pinion), gear=member(pair.gear))
 

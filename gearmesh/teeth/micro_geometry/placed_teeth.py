@@ -60,6 +60,11 @@ def can_be_placed(member: Member) -> bool:
     return member.tooth.crest is None
 
 
+def has_placed_teeth(member: Member) -> bool:
+    """Return True if whole solids of a member have its teeth at the places of their index angles."""
+    return member.index.uneven and can_be_placed(member)
+
+
 def _turned_tooth(tooth: Tooth, angles: dict[Side, float]) -> Tooth:
     """Return the tooth with each flank turned by its angle, rad."""
     return deviating_tooth(tooth, {side: turned_grid(tooth, side, angle) for side, angle in angles.items() if angle})
